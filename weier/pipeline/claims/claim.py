@@ -89,7 +89,6 @@ def not_negative(quantity: str) -> Limits:
 class Condition(NamedTuple):
     """One condition of a statement.
 
-    text : the condition as a clause
     quantity, unit : the measured quantity; "%" for fractions, empty for a number
     measure : function from the cases of one member to the value
     limits : the values that meet and violate the condition
@@ -98,7 +97,6 @@ class Condition(NamedTuple):
     decides : whether the verdict depends on it; otherwise its number is only reported
     """
 
-    text: str
     quantity: str
     unit: str
     measure: Callable[..., float]

@@ -148,7 +148,6 @@ def _with_one_wave(cases: Cases) -> list[Ensemble]:
 def _growth(method: str) -> Condition:
     label = find_method(method).label
     return Condition(
-        f"the largest error of {label} grows with D",
         f"growth of the largest error of {label}, of full contact",
         "%",
         partial(measures.growth_of_error, method),
@@ -163,14 +162,12 @@ CLAIMS = {
         "only one element is in contact (5.1).",
         by_phases,
         Condition(
-            "few elements agree closely with Eq. (12) where more than one is in contact",
             "largest relative error of the compliance with more than one element in contact",
             "%",
             lambda case: measures.errors_of_elements(case)[1],
             at_most(CLOSE_AGREEMENT),
         ),
         Condition(
-            "they do not agree closely where only one is in contact",
             "largest relative error of the compliance with only one element in contact",
             "%",
             lambda case: measures.errors_of_elements(case)[0],
@@ -182,7 +179,6 @@ CLAIMS = {
         "pi; the effect of phase is extremely small at gamma = 5 (5.2).",
         _coarse_and_fine,
         Condition(
-            "the curves lie fairly close to their average at phases that are neither near zero nor near pi",
             "largest distance from the average at other phases, of full contact",
             "%",
             lambda *phases: measures.distances_from_average(*phases)[1],
@@ -190,7 +186,6 @@ CLAIMS = {
             ensembles=COARSE,
         ),
         Condition(
-            "phases close to zero and pi are an exception",
             "largest distance from the average at phases close to zero and pi, of full contact",
             "%",
             lambda *phases: measures.distances_from_average(*phases)[0],
@@ -198,7 +193,6 @@ CLAIMS = {
             ensembles=COARSE,
         ),
         Condition(
-            "the effect of the phase is extremely small",
             "largest spread of all curves, of full contact",
             "%",
             measures.spread_of_phases,
@@ -211,14 +205,12 @@ CLAIMS = {
         "lightest, where Archard's compliance tends to 0 and that of the surface to its value at first contact.",
         by_phases,
         Condition(
-            f"Archard's compliance is too high from {LIGHT_LOAD:g} p_0* on",
             "load above which Archard's compliance is too high",
             "p_0*",
             lambda case: measures.load_of_crossing(case, "archard"),
             at_most(LIGHT_LOAD),
         ),
         Condition(
-            "counted from first contact, Archard's compliance is too high at all loads",
             "least excess of Archard's compliance over that from first contact",
             "g_0",
             lambda case: measures.least_excess_from_first_contact(case, "archard"),
@@ -230,7 +222,6 @@ CLAIMS = {
         "The Demelio approximation underestimates the compliance at low loads (5.3).",
         by_phases,
         Condition(
-            "Demelio's compliance is too low at low loads",
             "largest excess of Demelio's compliance at low loads",
             "g_0",
             lambda case: float(measures.excess_at_low_loads(case, "demelio").max()),
@@ -242,7 +233,6 @@ CLAIMS = {
         "slightly at high loads (5.3).",
         by_phases,
         Condition(
-            "the layer underestimates the compliance at high loads",
             "mean excess of the layer's compliance at high loads",
             "g_0",
             lambda case: measures.mean_excess_at_high_loads(case, "layer"),
@@ -250,7 +240,6 @@ CLAIMS = {
             most=True,
         ),
         Condition(
-            "the layer gives good results at low loads",
             "largest error of the layer's compliance at low loads, of full contact",
             "%",
             lambda case: measures.error_at_low_loads(case, "layer"),
@@ -269,14 +258,12 @@ CLAIMS = {
         "error an overestimate of about 12% at intermediate loads (5.4).",
         by_mean,
         Condition(
-            f"the layer's largest error is about {LAYER_ERROR:.0%}",
             "largest relative error of the layer's resistance",
             "%",
             lambda case: max(map(abs, measures.resistance_range(case, "layer"))),
             at_most(QUOTED_TOLERANCE * LAYER_ERROR),
         ),
         Condition(
-            "the layer's largest error is an overestimate",
             "largest overestimate of the layer's resistance less its largest underestimate",
             "%",
             lambda case: sum(measures.resistance_range(case, "layer")),
@@ -284,16 +271,14 @@ CLAIMS = {
             most=True,
         ),
         Condition(
-            f"the layer is best from {PARTIAL[0]:.0%} to {PARTIAL[1]:.0%} of the compliance at full contact",
-            "root mean square error of the layer's resistance less that of the better of the others",
+            "root mean square error of R by the layer minus the better of the other estimates",
             "%",
             measures.layer_behind_others,
             negative("resistance"),
             most=True,
         ),
         Condition(
-            "the layer is best from the lightest load on",
-            "the same over the logarithm of the load, from the first load on",
+            "root mean square error of R over ln p from the lightest load on, minus the better of the others",
             "%",
             partial(measures.layer_behind_others, lightest=True),
             negative("resistance"),
@@ -301,7 +286,6 @@ CLAIMS = {
             decides=False,
         ),
         Condition(
-            "Archard underestimates the resistance at high loads",
             "mean relative error of Archard's resistance at high loads",
             "%",
             lambda case: measures.mean_resistance_error_at_high_loads(case, "archard"),
@@ -309,14 +293,12 @@ CLAIMS = {
             most=True,
         ),
         Condition(
-            "Demelio overestimates the resistance at all loads",
             "least relative error of Demelio's resistance",
             "%",
             lambda case: measures.resistance_range(case, "demelio")[0],
             not_negative("resistance"),
         ),
         Condition(
-            f"Demelio's errors are at most about {DEMELIO_ERROR:.0%}",
             "largest relative error of Demelio's resistance",
             "%",
             lambda case: measures.resistance_range(case, "demelio")[1],
@@ -327,7 +309,6 @@ CLAIMS = {
         "All the curves show the typical reduction of contact resistance with increasing load (5.4).",
         by_phases,
         Condition(
-            "no resistance rises with the load",
             "largest rise of a resistance from one load to the next, over its largest value",
             "",
             measures.largest_rise_of_resistance,
@@ -338,7 +319,6 @@ CLAIMS = {
         "The bounds on the resistance are less tight than those on the load-compliance relation (5.5).",
         by_phases,
         Condition(
-            "the bounds on the resistance are wider than those on the compliance",
             "relative width of the bounds on the resistance over that on the compliance",
             "",
             measures.width_of_bounds,
@@ -349,7 +329,6 @@ CLAIMS = {
         "For D = 1.5 the curves continue to rise through larger values of the load (5.3).",
         partial(series, varied="D"),
         Condition(
-            "a larger D reaches full contact at a larger load",
             "load of 99 % of full contact for the largest D over that for the smallest",
             "",
             measures.later_full_contact,
@@ -364,14 +343,12 @@ CLAIMS = {
             for method in ESTIMATES
             for condition in (
                 Condition(
-                    f"the compliance by {find_method(method).label} is quite good",
                     f"mean error of the compliance by {find_method(method).label}, of full contact",
                     "%",
                     partial(measures.mean_error, method=method),
                     at_most(QUITE_GOOD),
                 ),
                 Condition(
-                    f"the resistance by {find_method(method).label} is quite good",
                     f"mean relative error of the resistance by {find_method(method).label}",
                     "%",
                     partial(measures.mean_resistance_error, method=method),
@@ -384,7 +361,6 @@ CLAIMS = {
         "The numerical resistance is rather sensitive to discretization errors (5.4).",
         by_phases,
         Condition(
-            "the resistance by boundary elements is more in error than the compliance",
             "ratio of the largest relative errors of resistance and compliance by boundary elements",
             "",
             measures.discretisation_ratio,
@@ -395,14 +371,12 @@ CLAIMS = {
         "Additional fine scale features have a relatively small effect (5.5).",
         partial(series, varied="m"),
         Condition(
-            "the last term has a relatively small effect",
             "largest change of the mean gap with the last term, of full contact",
             "%",
             measures.last_change,
             at_most(CLOSE),
         ),
         Condition(
-            "the last term has less effect than those before it",
             "largest change of the mean gap with the last term over the least with those before",
             "",
             measures.last_change_over_others,
@@ -414,14 +388,12 @@ CLAIMS = {
         "resistance are largely determined by the coarse scales (5.5, 6).",
         partial(series, varied="m"),
         Condition(
-            "the area falls with each further term",
             "largest ratio of the contact areas with one more term and without it",
             "",
             measures.growth_of_area,
             at_most(1, factor=1),
         ),
         Condition(
-            "the last term still reduces the area, by gamma^(1-D) or more",
             "factor of the area with the last term over gamma^(1-D), mean over the loads",
             "",
             measures.decay_of_area,
@@ -429,7 +401,6 @@ CLAIMS = {
             most=True,
         ),
         Condition(
-            "the last term hardly changes the resistance",
             "mean absolute relative change of the resistance with the last term",
             "%",
             measures.mean_change_of_resistance,
@@ -437,7 +408,6 @@ CLAIMS = {
             most=True,
         ),
         Condition(
-            "nowhere does the last term change the resistance by much",
             "largest relative change of the resistance with the last term",
             "%",
             measures.largest_change_of_resistance,
@@ -450,14 +420,12 @@ CLAIMS = {
         "added (6), since the number of independent contacts times their size grows without limit (2).",
         partial(series, varied="m"),
         Condition(
-            "the last term adds contacts",
             "factor of the number of contacts with the last term, mean over the load",
             "",
             measures.growth_of_count,
             at_least(1),
         ),
         Condition(
-            "as many equal contacts of the same area, evenly spaced and hence independent, still lose resistance",
             "factor of the resistance of independent contacts with the last term",
             "",
             measures.factor_of_independent_contacts,
@@ -469,14 +437,12 @@ CLAIMS = {
         "three methods (5).",
         _with_one_wave,
         Condition(
-            "the bounds on the compliance are wider than the estimates differ",
             "largest difference between estimates of the compliance over the width 2 G_1 of the bounds",
             "%",
             measures.spread_over_bounds,
             at_most(1 + ROUNDING, factor=1),
         ),
         Condition(
-            "all resistances lie within the bounds",
             "largest ratio of a resistance to its upper bound, or of its lower bound to it",
             "%",
             measures.resistance_over_bounds,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CONTENT = "qualityInformation"  # Kind of content of claims in the terms of ISO 19115.
-DETAILS = ("condition", "profiles", "measured", "between", "limit", "results", "holds")
+DETAILS = ("quantity", "profiles", "measured", "between", "limit", "results", "holds")
 
 
 def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
@@ -68,7 +68,7 @@ def details(finding: Finding) -> list[str]:
         written(value, condition.unit) for value in (finding.value, min(finding.values), max(finding.values))
     )
     return [
-        f"{condition.text}: {condition.quantity}",
+        condition.quantity,
         finding.ensemble.name,
         value,
         f"{low} and {high}" if len(finding.values) > 1 else "",
