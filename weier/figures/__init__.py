@@ -135,7 +135,7 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
     if wanted.draw not in KINDS:
         raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(KINDS)}")
     kind = KINDS[wanted.draw]
-    from weier.figures.style import set_axes
+    from weier.figures.style import set_load_scale
 
     shown = len(studies) - len(wanted.behind)
     chosen = {"grouping": wanted.grouping, "interface": wanted.interface, "behind": studies[shown:]}
@@ -144,9 +144,8 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
         options["quantity"] = kind.quantity
     module = import_module(f"weier.figures.{kind.drawn_by or wanted.draw}")
     drawn: figure.Figure = module.draw(studies[:shown], wanted.title, **options)
-    set_axes(drawn, wanted.x, wanted.y)
-    if wanted.size:
-        drawn.set_size_inches(*wanted.size)
+    if wanted.x:
+        set_load_scale(drawn, wanted.x)
     return drawn
 
 

@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from weier.data.bodies import Bodies
-from weier.figures import lines, style
+from weier.figures import interpolation, style
 from weier.figures.tables import Extent, Values, extent, table_of, values_of
 from weier.figures.values import band, line
 from weier.kernels.arrays import Array
@@ -179,9 +179,9 @@ def _reduce(same: pd.DataFrame, tables: Sequence[Values], quantity: str) -> tupl
     slope = np.concatenate([own.slope[rows, columns] for own, rows, columns in parts])
     if quantity != COMPLIANCE or loads.size < 2 or not np.isfinite(slope).all():
         return loads, np.percentile(values, PERCENTILES, axis=0)
-    fine = lines.between(loads)
+    fine = interpolation.between(loads)
     pieces = np.array_split(fine, math.ceil(fine.size * len(same) / MAX_VALUES))
-    each = (lines.compliance_at(piece, loads, values, slope) for piece in pieces)
+    each = (interpolation.compliance_at(piece, loads, values, slope) for piece in pieces)
     reduced = [np.percentile(values, PERCENTILES, axis=0) for values in each]
     return fine, np.concatenate(reduced, axis=1)
 

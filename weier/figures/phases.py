@@ -12,7 +12,7 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
 from weier.data import curves
-from weier.figures import lines, style
+from weier.figures import interpolation, style
 from weier.figures.values import line
 from weier.surface.profile import PARAMETERS
 
@@ -29,7 +29,9 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _draw_phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
-    drawn = [curve for case in cases if (curve := lines.line(case, "compliance", curves.numerical_method(case)))]
+    drawn = [
+        curve for case in cases if (curve := interpolation.line(case, "compliance", curves.numerical_method(case)))
+    ]
     fine, h = drawn[0][0], np.array([values for _, values in drawn])
     average = f"average of {len(cases)} phase{'s' * (len(cases) > 1)}"
     colors = style.shade(curves.phase_angle(case) / np.pi for case in cases)
@@ -38,7 +40,7 @@ def _draw_phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
         line(axes, f"phase {curves.phase_angle(case):.3g}", fine, row, **look)
     line(axes, average, fine, h.mean(axis=0), color=style.BLACK, linewidth=1.6, zorder=3)
     axes.plot([], [], color=style.GREY, linewidth=0.7, linestyle=style.DASHES[1], label="one phase")
-    lines.draw_sparse_points(axes, "compliance", zip(cases, [0.0] * len(cases), colors, strict=True))
+    interpolation.draw_sparse_points(axes, "compliance", zip(cases, [0.0] * len(cases), colors, strict=True))
     axes.set_xlim(0, curves.full_contact_load(cases))
     axes.set_ylim(bottom=0)
     axes.legend(loc="lower right")

@@ -18,7 +18,6 @@ from weier.data.bodies import Bodies
 from weier.data.variables import VARIABLES
 from weier.methods import registry
 from weier.methods.method import DEFAULT_STYLE, Style
-from weier.scene import Axis
 from weier.scene.figure import MAX_PANELS
 from weier.surface.profile import MAX_DENOMINATOR, PARAMETERS
 from weier.units import PASCAL, THERMAL_RESISTANCE
@@ -187,25 +186,14 @@ def set_load_axis(axes: Axes, low: float, high: float) -> None:
         axes.set_xlim(0, high)
 
 
-def set_axes(figure: Figure, x: Axis, y: Axis) -> None:
-    """Set the scales and limits of all panels that a scene chooses."""
+def set_load_scale(figure: Figure, scale: str) -> None:
+    """Set the scale of the load axis of all panels; a linear one begins at 0."""
     for axes in figure.axes:
         if axes.get_label() != "<colorbar>":  # matplotlib gives this label to the axes of a colour bar.
-            for name, wanted in (("x", x), ("y", y)):
-                _set_axis(axes, name, wanted)
-
-
-def _set_axis(axes: Axes, name: str, wanted: Axis) -> None:
-    """Set one axis; after a change of scale, a linear one begins at 0, and a logarithmic one at the least value."""
-    low, high = getattr(axes, f"get_{name}lim")()
-    if wanted.scale and wanted.scale != getattr(axes, f"get_{name}scale")():
-        values = np.concatenate([[], *(getattr(artist, f"get_{name}data")() for artist in axes.get_lines())])
-        positive = values[values > 0]
-        low = 0 if wanted.scale == "linear" else positive.min() if positive.size else high / 10
-        getattr(axes, f"set_{name}lim")(max(low, np.finfo(float).tiny), high)  # a logarithmic axis must stay above 0
-        getattr(axes, f"set_{name}scale")(wanted.scale)
-    ends = (low if wanted.low is None else wanted.low, high if wanted.high is None else wanted.high)
-    getattr(axes, f"set_{name}lim")(*ends)
+            axes.set_xlim(left=axes.dataLim.minposx)
+            axes.set_xscale(scale)
+            if scale == "linear":
+                axes.set_xlim(left=0)
 
 
 def set_logarithmic_axes(axes: Axes, low: float, high: float, least: float, largest: float) -> None:

@@ -13,9 +13,9 @@ import xarray as xr
 from weier import units
 from weier.data import curves
 from weier.data.bodies import Bodies, scales_of
-from weier.figures import lines, style
+from weier.figures import interpolation, style
 from weier.kernels.arrays import Array, Flags, Indices
-from weier.methods.curve import COMPLIANCE, QUANTITIES, RESISTANCE
+from weier.methods.curve import COMPLIANCE, RESISTANCE
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
 
@@ -52,7 +52,6 @@ class Values:
     loads : mean pressures in the unit of the study
     values, stated : the quantity and its stated errors, if any, shape (cases, methods, loads)
     h, slope : compliance, and its slope over the loads
-    factor : resistance over slope; M (rho_1 + rho_2) with an interface
     """
 
     def __init__(self, study: xr.Dataset, quantity: str, interface: Bodies | None) -> None:
@@ -70,7 +69,6 @@ class Values:
             return values * scale if interface else values  # no copy of a large study
 
         self.h, self.slope = scaled("compliance", height), scaled("resistance", height / pressure)
-        self.factor = float((resistance * pressure / height).flat[0])
         scale = {COMPLIANCE: height, RESISTANCE: resistance}.get(quantity, np.ones(1))
         self.values, error = scaled(quantity, scale), f"{quantity}_error"
         self.stated = scaled(error, scale) if error in study else None
@@ -80,10 +78,9 @@ class Values:
 
     def line(self, row: int, column: int, points: bool = False) -> tuple[Array, Array]:
         """Return one curve, at its loads and between them, or as points."""
-        if points or self._quantity not in QUANTITIES:
+        if points or self._quantity != COMPLIANCE:
             return self.loads, self.values[row, column]
-        loads, values = lines.between_loads(self._quantity, self.loads, self.h[row, column], self.slope[row, column])
-        return loads, values if self._quantity == COMPLIANCE else values * self.factor
+        return interpolation.between_loads(self.loads, self.h[row, column], self.slope[row, column])
 
 
 def values_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | None = None) -> list[Values]:

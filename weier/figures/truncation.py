@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.data import curves
-from weier.figures import lines, style
+from weier.figures import interpolation, style
 from weier.figures.tables import extent, values_of
 from weier.figures.values import band, line
 from weier.methods.curve import COMPLIANCE
@@ -51,12 +51,12 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
         thin = {"linewidth": 0.4, "alpha": style.FAINT_ALPHA} if len(same) > 1 else {}
         for number, case in enumerate(same):
             hidden = {} if number == 0 else {"label": None}
-            drawn = lines.line(case, quantity, curves.numerical_method(case))
+            drawn = interpolation.line(case, quantity, curves.numerical_method(case))
             if drawn is not None:
                 name = style.describe(case, "m")
                 line(axes, name, drawn[0], drawn[1] + datum(case, quantity), **look | thin | hidden)
     alone = [(same[0], look["color"]) for look, same in zip(looks, by_terms, strict=True) if len(same) == 1]
-    lines.draw_sparse_points(axes, quantity, [(case, datum(case, quantity), color) for case, color in alone])
+    interpolation.draw_sparse_points(axes, quantity, [(case, datum(case, quantity), color) for case, color in alone])
 
 
 def datum(case: xr.Dataset, quantity: str) -> float:

@@ -6,13 +6,12 @@ Imports data, methods, theory, surface and kernels only, and solves nothing itse
 
 from weier.scene.case import Case
 from weier.scene.cases import Scene
-from weier.scene.figure import BY_DEFAULT, Axis, Figure, Grouping
+from weier.scene.figure import BY_DEFAULT, Figure, Grouping
 from weier.scene.file import load, load_by_name
 from weier.scene.mistakes import Mistake, SceneError
 
 __all__ = [
     "BY_DEFAULT",
-    "Axis",
     "Case",
     "Figure",
     "Grouping",

@@ -21,7 +21,6 @@ PARTS: dict[str, type[models.Section]] = {
     "a figure": models.FigureKeys,
     "a range": models.Range,
     "a range of loads": models.LoadRange,
-    "an axis": models.AxisKeys,
 }
 GENERATED = re.compile(r"(?<=<!-- keys of a scene -->\n).*?(?=<!-- end -->)", re.DOTALL)
 

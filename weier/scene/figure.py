@@ -47,23 +47,11 @@ BY_DEFAULT = Grouping()
 EACH_CASE, MEDIAN_OVER_PHASES = Grouping(facet=("case",)), Grouping(median_over=PHASES)
 
 
-class Axis(NamedTuple):
-    """The scale of an axis, "log" or "linear", and its ends; empty and None for the default of the figure."""
-
-    scale: str = ""
-    low: float | None = None
-    high: float | None = None
-
-
-FREE = Axis()
-
-
 class Figure(NamedTuple):
     """The kind of a figure (a module of weier.figures), its studies, and its parameters.
 
     behind : studies whose curves are a band behind the others
-    x, y : its axes
-    size : width and height in inches; None for the default of the figure
+    x : scale of the axis of loads, "log" or "linear"; empty for the default of the figure
     interface : the bodies that convert values under loads in Pa into SI units; None for normalised axes
     """
 
@@ -72,9 +60,7 @@ class Figure(NamedTuple):
     title: str = ""
     grouping: Grouping = BY_DEFAULT
     behind: tuple[str, ...] = ()
-    x: Axis = FREE
-    y: Axis = FREE
-    size: tuple[float, float] | None = None
+    x: str = ""
     interface: Bodies | None = None
 
     @property

@@ -17,7 +17,6 @@ import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
-    BeforeValidator,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -37,7 +36,7 @@ from weier.data.bodies import Bodies
 from weier.methods.registry import find_method, names
 from weier.scene.case import Case, random_parameters
 from weier.scene.cases import NAME
-from weier.scene.figure import FREE, Axis, Figure, Grouping
+from weier.scene.figure import Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake
 from weier.scene.study import MAX_CASES, check_value
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
@@ -320,46 +319,13 @@ class StudyKeys(Section):
         ]
 
 
-class AxisKeys(Section):
-    """The scale and the ends of an axis."""
-
-    scale: Literal["linear", "log"] = Field(ABSENT, description="Scale of the axis, linear or log.")
-    first: float = Field(ABSENT, alias="from", description="Start of the axis.")
-    last: float = Field(ABSENT, alias="to", description="End of the axis.")
-
-    @model_validator(mode="after")
-    def _possible(self) -> Self:
-        ends = [end for end in (self.first, self.last) if end is not None]
-        least = 0.0 if self.scale == "log" else -math.inf
-        if not all(least < end < math.inf for end in ends) or ends != sorted(set(ends)):
-            raise ValueError(f"an axis must begin below its end, above 0 if it is logarithmic, got {ends}")
-        return self
-
-
-if TYPE_CHECKING:
-    Scale = Axis
-else:
-    Scale = Annotated[
-        AxisKeys,
-        AfterValidator(lambda keys: Axis(keys.scale or "", keys.first, keys.last)),
-        BeforeValidator(
-            lambda value: {"scale": value} if isinstance(value, str) else value,
-            json_schema_input_type=Literal["linear", "log"] | AxisKeys,
-        ),
-    ]
-
-
 class FigureKeys(Section):
     """What a figure draws, from which studies, and how."""
 
     draw: Name = Field(description="A module of weier.figures.")
     studies: Names = Field([], description="The studies it shows.")
     title: Line = Field("", description="Title of the figure, one line.")
-    x: Scale = Field(ABSENT, description="Axis of loads: scale and ends.")
-    y: Scale = Field(ABSENT, description="Other axis: scale and ends.")
-    size: Annotated[list[Annotated[float, Field(gt=0, le=100)]], Field(min_length=2, max_length=2)] = Field(
-        ABSENT, description="Width and height in inches; a journal column is 3.5 wide."
-    )
+    x: Literal["linear", "log"] = Field(ABSENT, description="Scale of the axis of loads.")
     colour: Parameter = Field(ABSENT, description="Parameter shown by the colour of a curve.")
     facet: Annotated[Parameters, Field(max_length=2)] = Field(
         [], description="Parameter with one value per panel; or two, for the rows and columns of panels."
@@ -384,11 +350,8 @@ class FigureKeys(Section):
     def figure(self, interface: Bodies | None) -> Figure:
         """Return the figure, in SI units with an interface."""
         grouping = Grouping(self.colour or "", tuple(self.facet), tuple(self.median_over))
-        size = (self.size[0], self.size[1]) if self.size else None
         studies, behind = tuple(self.studies), tuple(self.behind)
-        return Figure(
-            self.draw, studies, self.title, grouping, behind, self.x or FREE, self.y or FREE, size, interface
-        )
+        return Figure(self.draw, studies, self.title, grouping, behind, self.x or "", interface)
 
 
 class SceneKeys(Section):
