@@ -7,8 +7,6 @@ belong to it. Dialects beyond are for pandas, whose arrays `weier.Trace` takes.
 
 from __future__ import annotations
 
-import codecs
-import csv
 import math
 import re
 from collections.abc import Sequence
@@ -24,7 +22,7 @@ from weier.surface.measured.artefacts import MIN_HEIGHTS
 from weier.surface.measured.lines import HEIGHTS, POSITIONS, Line, cell_quantity, cell_unit, heading_cells
 
 MAX_BYTES = 2 * 10**8  # 10^6 rows of 200 characters
-BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1c-\x1f]")  # control characters that no text has
+BINARY = re.compile("[\x00-\x08\x0e-\x19\x1c-\x1f]")  # control characters that no text has
 END_OF_FILE = "\x1a"  # written by DOS programs at the end of a text
 BLANK = " "  # the delimiter that stands for any blanks between columns
 TYPOGRAPHIC_SIGNS = {  # ASCII signs in numbers for typographic ones
@@ -40,16 +38,13 @@ MISSING = {
 RULES = {"", "--", "---"}  # words for missing heights that also form lines above and below a table
 VALIDITY = re.compile(r"(is[ _]?)?valid(ity)?", re.IGNORECASE)  # heading of a column that marks valid heights
 VALID = re.compile(r"1([.,]0*)?|true|yes|valid", re.IGNORECASE)
+QUOTED = re.compile('^"(.*)"$')
 SEPARATE_SIGNS = frozenset("+-(") | {"plus", "minus", "pos", "neg"}  # signs in a column of their own
 SAMPLE_LINES = 200  # approximate number of lines sampled for the signs of a table
 END_ROWS = 5  # rows at the start of one column that may be a count, a step or a length
 # numbers with all digits in groups of three, and a single group
 GROUPED_NUMBER = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", re.ASCII)
 DIGIT_GROUP = re.compile(r"[+-]?\d{1,3}", re.ASCII)
-MARKS = {  # at the start of a file, those of UTF-32 first, which begin with those of UTF-16
-    "utf-32": (codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE),
-    "utf-16": (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE),
-}
 PANDAS = "read the file by pandas.read_csv and pass the arrays to weier.Trace"
 OTHERWISE = f"say skip= or rows= for the start or end of the table, or {PANDAS}"
 
@@ -90,15 +85,14 @@ def read_columns(
         checked_word("decimal", decimal, (".", ","))
     chosen = None
     if columns is not None:
-        several = isinstance(columns, list | tuple)
-        given: Any = columns if several else [columns]
+        given: Any = columns if isinstance(columns, list | tuple) else [columns]
         chosen = [checked_count("columns", column, 0) for column in given]
         if not 1 <= len(set(chosen)) == len(chosen) <= 2:
             raise ValueError(
                 "columns must be the number of the column of heights, from 0, or those of positions and heights, "
                 f"got {shown(columns)}"
             )
-    text = _text(path).rstrip(END_OF_FILE).translate(TYPOGRAPHIC_SIGNS)
+    text = _text(path).translate(TYPOGRAPHIC_SIGNS)
     lines = [line.strip(" ") if line.strip(" ;,\t") else "" for line in re.split(r"\r*\n|\r", text)]
     return _Table(path, lines if lines[-1] else lines[:-1] or lines, skip, rows, chosen, decimal).line()
 
@@ -121,13 +115,8 @@ class _Signs(NamedTuple):
 
     def split(self, line: str) -> list[str]:
         """Return the fields of a line, without blanks and quotes around them."""
-        if self.delimiter == BLANK:
-            return [field.strip('"') for field in line.split()]
-        if '"' in line:
-            (fields,) = csv.reader([line], delimiter=self.delimiter, skipinitialspace=True)
-        else:
-            fields = line.split(self.delimiter)
-        return [field.strip(" \t") for field in fields]
+        fields = [field.strip(" \t") for field in line.split(None if self.delimiter == BLANK else self.delimiter)]
+        return [QUOTED.sub(r"\1", field) for field in fields] if '"' in line else fields
 
     def is_number(self, field: str) -> bool:
         return self.number.fullmatch(field) is not None
@@ -219,14 +208,10 @@ class _Table:
         (best, rows), *others = [(signs, rows) for signs, rows in found if len(rows) == most]
         if commas := [at for at in rows if "," in lines[at]]:
             hidden = any((best.delimiter == ",") != (signs.delimiter == ",") for signs, _ in others)
-            if best.delimiter == ",":  # Commas may precede decimals as well, as in `1:0,5`.
-                hidden |= all(re.search("[:|]", lines[at]) and "." not in lines[at] for at in rows)
-                if len(columns or ()) == 1 and not self.decimal:
-                    whole = _Signs.of(BLANK, ",")
-                    hidden |= all(whole.is_number(lines[at].strip("\t ")) for at in rows)
-            if hidden:
+            if hidden or (best.delimiter == "," and not self.decimal and not any("." in lines[at] for at in rows)):
                 problem = "has a comma of decimals, between columns or between thousands"
-                self._refuse(commas[0], problem, f"say decimal=',' for decimals, or {PANDAS}")
+                remedy = f"say decimal=',' for decimals, decimal='.' for columns of whole numbers, or {PANDAS}"
+                self._refuse(commas[0], problem, remedy)
         return best, [best.split(lines[at]) for at in rows]
 
     def _find_block(self, filled: list[int]) -> list[int]:
@@ -305,19 +290,14 @@ class _Table:
         All digits of a column are in groups of three, and some of its numbers lack the sign, or no other column
         shows that it precedes decimals.
         """
-        if self.decimal:
-            return
-        columns = [[row[at] for row in texts] for at in range(len(self.columns))]
-        has_decimals = [any(map(self._has_decimals, column)) for column in columns]
-        for column, clear in zip(columns, has_decimals, strict=True):
-            if clear or (any(has_decimals) and not any(map(DIGIT_GROUP.fullmatch, column))):
-                continue
-            row = next((row for row, text in enumerate(column) if GROUPED_NUMBER.fullmatch(text)), None)
-            if row is not None:
-                problem = f"has a sign of decimals or between thousands in {column[row]!r}"
-                self._refuse(
-                    self.block[row], problem, f"say decimal={self.signs.decimal!r} for decimals, or {PANDAS}"
-                )
+        columns = list(zip(*texts, strict=True)) if not self.decimal else []
+        shown_by = [any(map(self._has_decimals, column)) for column in columns]
+        for column, clear in zip(columns, shown_by, strict=True):
+            grouped = [row for row, text in enumerate(column) if GROUPED_NUMBER.fullmatch(text)]
+            if grouped and not clear and (not any(shown_by) or any(map(DIGIT_GROUP.fullmatch, column))):
+                problem = f"has a sign of decimals or between thousands in {column[grouped[0]]!r}"
+                remedy = f"say decimal={self.signs.decimal!r} for decimals, or {PANDAS}"
+                self._refuse(self.block[grouped[0]], problem, remedy)
 
     def _has_decimals(self, text: str) -> bool:
         """Return whether a number has a sign that cannot separate thousands."""
@@ -365,26 +345,19 @@ class _Table:
 
 
 def _text(path: Path) -> str:
-    """Return the text of a file in UTF-8, UTF-16 or UTF-32 with a mark, or Windows-1252."""
-    with path.open("rb") as file:
-        content = file.read(MAX_BYTES + 1)
-    if len(content) > MAX_BYTES:
+    """Return the text of a file in UTF-16 with a mark, UTF-8 or Windows-1252."""
+    if path.stat().st_size > MAX_BYTES:
         raise ValueError(f"{path} must be a text of at most {MAX_BYTES:.0e} bytes: keep one line of heights in it")
-    for encoding, marks in MARKS.items():
-        if content.startswith(marks):
-            try:
-                return content.decode(encoding)
-            except UnicodeError as error:
-                raise ValueError(
-                    f"{path} is no text in {encoding}, which its mark names ({error}): {PANDAS}"
-                ) from None
-    if first := BINARY.search(content.rstrip(END_OF_FILE.encode())):
-        line = content.count(b"\n", 0, first.start()) + 1
+    content = path.read_bytes()
+    try:
+        text = content.decode("utf-16" if content.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig")
+    except UnicodeError:
+        text = content.removeprefix(b"\xef\xbb\xbf").decode("cp1252", "replace")
+    text = text.rstrip(END_OF_FILE)
+    if first := BINARY.search(text):
+        line = text.count("\n", 0, first.start()) + 1
         raise NotTextError(
             f"{path} is no text, got the control character {first[0]!r} in line {line}: save the heights as text, "
             f"such as the sheet of a workbook as CSV, unpack an archive, leave the character out, or {PANDAS}"
         )
-    try:
-        return content.decode()
-    except UnicodeError:
-        return content.removeprefix(codecs.BOM_UTF8).decode("cp1252", "replace")
+    return text
