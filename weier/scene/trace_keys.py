@@ -52,5 +52,4 @@ TRACE_KEYS = {
     "missing_value": TraceKey(object, "Numbers for missing heights, in the unit of the heights.", several=True),
     "line": TraceKey(int, "Index of the line of a map, from 0; with across alone, each line is a case."),
     "across": TraceKey(AXES, "Axis of the lines of a map, across its grooves."),
-    "channel": TraceKey(object, "Channel of the file, by name or number from 0."),
 }

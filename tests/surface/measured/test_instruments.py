@@ -140,8 +140,6 @@ def test_lines_of_a_file_are_those_of_its_map(surface_topography, tmp_path):
     np.testing.assert_allclose(one.amplitude * one.g_0, expected.amplitude * expected.g_0, atol=1e-15)
     same = Trace.of(surface_topography.read_topography(str(path)), line=7)
     assert same.digest == one.digest
-    with pytest.raises(ValueError, match=r"channel must be one of .*, or a number from 0, got 'Phase'"):
-        Trace.read(path, line=7, channel="Phase")
     with pytest.raises(ValueError, match=r"; skip, rows, columns, decimal are of text: leave them out"):
         Trace.read(path, line=7, columns=1)
 
@@ -166,14 +164,14 @@ def test_two_files_of_one_name_and_date_are_two(surface_topography, tmp_path, mo
     assert traces[1].g_0 == pytest.approx(2 * traces[0].g_0)
 
 
-@pytest.mark.parametrize("more", [{"line": 7}, {"across": "x"}, {"channel": 0}])
+@pytest.mark.parametrize("more", [{"line": 7}, {"across": "x"}])
 def test_text_is_read_by_one_reader(tmp_path, more):
     """SurfaceTopography leaves out what it does not read."""
     path = tmp_path / "map.txt"
     path.write_text("\n".join(" ".join(f"{z:.4f}" for z in row) for row in MAP.tolist()).replace("-", "\u2212"))
     with pytest.raises(ValueError, match=r"line 1, has 40 columns, .*: say columns=\(0, 1\) .* columns=0"):
         Trace.read(path)
-    with pytest.raises(ValueError, match=r"line 1, has 40 columns|is text, and line, across and channel are of maps"):
+    with pytest.raises(ValueError, match=r"line 1, has 40 columns|is text, and line and across are of maps"):
         Trace.read(path, **more)
     assert_same(Trace.read(path, columns=7, length=4e-4, height_unit="um"), MAP[:, 7].round(4), 4e-4)
 
@@ -183,7 +181,7 @@ def test_a_file_that_the_package_cannot_read_either_is_refused(surface_topograph
     with pytest.raises(ValueError, match=r"is no text: .*; SurfaceTopography cannot read it either"):
         Trace.read(tmp_path / "a.h5")
     (tmp_path / "a.h5").write_bytes(b"\x89HDF\r\n\0\n")  # eight bytes: as a terrain model, 2 by 2 heights
-    with pytest.raises(ValueError, match=r"is no text: .*; SurfaceTopography does not know its format either"):
+    with pytest.raises(ValueError, match=r"is no text: .*; SurfaceTopography finds no map of heights in it"):
         Trace.read(tmp_path / "a.h5", line=0)
 
 

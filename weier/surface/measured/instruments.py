@@ -32,9 +32,7 @@ READER_ERRORS = (
 )
 
 
-def read_lines(
-    path: Path, layout: Mapping[str, Any], line: int | None, across: str | None, channel: int | str | None
-) -> list[Line]:
+def read_lines(path: Path, layout: Mapping[str, Any], line: int | None, across: str | None) -> list[Line]:
     """Return the lines of a file: the one of a table of text, or the chosen lines of an instrument's file.
 
     Only `text` reads text: another reader might skip lines without a message.
@@ -44,29 +42,19 @@ def read_lines(
     except NotTextError as error:
         if any(value is not None for value in layout.values()):
             raise ValueError(f"{error}; {', '.join(layout)} are of text: leave them out") from None
-        topography, sized = _read_once(path.resolve(), sha256(path.read_bytes()).digest(), channel, str(error))
+        topography, sized = _read_once(path.resolve(), sha256(path.read_bytes()).digest(), str(error))
         return list(topography_lines(topography, line, across, sized))
-    if (line, across, channel) != (None, None, None):
+    if (line, across) != (None, None):
         raise ValueError(
-            f"{path} is text, and line, across and channel are of maps of instruments: say columns= for the column "
-            "of the heights, or take weier.Trace.of(SurfaceTopography.read_topography(...), line=...)"
+            f"{path} is text, and line and across are of maps of instruments: say columns= for the column of the "
+            "heights, or take weier.Trace.of(SurfaceTopography.read_topography(...), line=...)"
         )
     return [table]
 
 
-class ChannelError(ValueError):
-    """Raised if a file lacks a channel, if the channel holds no heights, or if the file is text."""
-
-
 @lru_cache(maxsize=1)  # Each line of a map is read by a call of its own.
-def _read_once(path: Path, digest: bytes, channel: int | str | None, why_not_text: str) -> tuple[Any, bool]:
-    """Return one channel of heights of a file with this digest, and whether the file has its lateral size.
-
-    Raises
-    ------
-    ValueError
-        If SurfaceTopography is not there or cannot read the file; the message begins with `why_not_text`.
-    """
+def _read_once(path: Path, digest: bytes, why_not_text: str) -> tuple[Any, bool]:
+    """Return the first channel of heights of a file with this digest, and whether the file has its lateral size."""
     try:
         from SurfaceTopography import open_topography
         from SurfaceTopography.Exceptions import ReadFileError
@@ -76,40 +64,26 @@ def _read_once(path: Path, digest: bytes, channel: int | str | None, why_not_tex
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # its readers name missing dependencies
             file = open_topography(str(path))
-            if file.format() in TEXT_FORMATS:
-                raise ChannelError(f"{why_not_text}; SurfaceTopography takes it for text, which it reads in part")
-            if file.format() in FORMATS_WITHOUT_SIGNATURE and path.suffix.lower() != f".{file.format()}":
-                raise ChannelError(f"{why_not_text}; SurfaceTopography does not know its format either")
-            chosen = _channel(path, file.channels, channel)
-            sized = chosen.physical_sizes is not None
-            return chosen.topography(physical_sizes=None if sized else tuple(map(float, chosen.nb_grid_pts))), sized
-    except (ChannelError, TimeoutError):  # these are a ValueError and an OSError
+            kind, channels = file.format(), file.channels
+            is_known = kind not in FORMATS_WITHOUT_SIGNATURE or path.suffix.lower() == f".{kind}"
+            heights = [channel for channel in channels if getattr(channel, "is_height_channel", True)]
+            if heights and is_known and kind not in TEXT_FORMATS:
+                sizes = heights[0].physical_sizes
+                given = tuple(map(float, heights[0].nb_grid_pts)) if sizes is None else None
+                return heights[0].topography(physical_sizes=given), sizes is not None
+    except TimeoutError:  # an OSError
         raise
     except (ReadFileError, *READER_ERRORS) as error:
         raise ValueError(
             f"{why_not_text}; SurfaceTopography cannot read it either ({type(error).__name__})"
         ) from None
+    raise ValueError(f"{why_not_text}; SurfaceTopography finds no map of heights in it, and takes it for {kind}")
 
 
 def topography_lines(topography: Any, line: int | None, across: str | None, sized: bool = True) -> Iterator[Line]:
     """Yield lines of heights of a topography: its only line, the chosen one, or all that run along an axis.
 
-    Parameters
-    ----------
-    topography : object
-        With `heights`, `physical_sizes`, `unit`, `is_periodic` and, where it is not uniform, `positions`, as those of
-        SurfaceTopography.
-    line : int, optional
-        Number of the line of a map, from 0.
-    across : "x" or "y", optional
-        Axis along which the lines of a map run, across the grooves; without `line`, all lines.
-    sized : bool
-        Whether the sizes of the topography are known.
-
-    Raises
-    ------
-    ValueError
-        If a map is given without line or axis, or has no such line.
+    `sized` tells whether the sizes of the topography are known.
     """
     if not callable(getattr(topography, "heights", None)) or not hasattr(topography, "physical_sizes"):
         raise ValueError(f"topography must be one of SurfaceTopography, got {shown(topography)}")
@@ -134,19 +108,3 @@ def topography_lines(topography: Any, line: int | None, across: str | None, size
     for number in numbers:
         length = None if sizes is None else float(sizes[axis])
         yield Line(along[number], None, length, units, units, periodic, AXES[axis], number)
-
-
-def _channel(path: Path, channels: Any, wanted: int | str | None) -> Any:
-    """Return the channel of this number or name; else the first one of heights."""
-    names = [channel.name for channel in channels]
-    is_height = [getattr(channel, "is_height_channel", True) for channel in channels]
-    if wanted is None:
-        if not any(is_height):
-            raise ChannelError(f"{path} has no channel of heights, only {', '.join(names) or 'none'}")
-        return channels[is_height.index(True)]
-    if wanted not in (names if isinstance(wanted, str) else range(len(channels))):
-        raise ChannelError(f"channel must be one of {', '.join(names)}, or a number from 0, got {shown(wanted)}")
-    number = names.index(wanted) if isinstance(wanted, str) else int(wanted)
-    if not is_height[number]:
-        raise ChannelError(f"channel must have heights, got {names[number]}, which has none")
-    return channels[number]

@@ -227,7 +227,6 @@ class Trace(Waves):
         *,
         line: int | None = None,
         across: str | None = None,
-        channel: int | str | None = None,
         skip: int | None = None,
         rows: int | None = None,
         columns: int | Sequence[int] | None = None,
@@ -258,8 +257,6 @@ class Trace(Waves):
         across : "x" or "y", optional
             The axis along which lines of a map run, across its grooves: "x" where there is a `line`. Without one, all
             lines of the map are returned.
-        channel : int or str, optional
-            Which channel of a file with several; by default the first one that holds heights.
         skip, rows : int, optional
             The number of lines above the table in a file of text, and of rows in the table.
         columns : int or (int, int), optional
@@ -291,7 +288,7 @@ class Trace(Waves):
                 x_units=() if x_unit else one.x_units,
                 height_units=() if height_unit else one.height_units,
             )
-            for one in read_lines(checked_file(path), layout, line, across, channel)
+            for one in read_lines(checked_file(path), layout, line, across)
         ]
         options = {
             "source": readable(Path(path).name),
