@@ -13,8 +13,6 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-import yaml
-from matplotlib.testing.compare import compare_images
 
 import weier
 from tests.scenes import scene_in, solve_scene
@@ -46,20 +44,6 @@ def test_the_pages_that_run_are_true(name, least):
     plt.close("all")
     assert result.attempted > least
     assert result.failed == 0
-
-
-@pytest.mark.slow
-def test_the_figure_of_a_report_is_that_of_its_command(tmp_path):
-    shutil.copytree("config/scenes/measured", tmp_path, dirs_exist_ok=True)
-    bodies = yaml.safe_load(Path("config/scenes/measured.yaml").read_text())["interface"]
-    (tmp_path / "bodies.yaml").write_text(yaml.safe_dump({name: float(value) for name, value in bodies.items()}))
-    text = Path("docs/measured.rst").read_text()
-    command = re.search(r"^   weier (report .*?-o report\.png)$", text, re.MULTILINE | re.DOTALL)[1].replace(
-        "\\\n", ""
-    )
-    command = command.replace("shaft_*.csv", "shaft_1.csv shaft_2.csv shaft_3.csv").replace("-o report.xlsx", "")
-    subprocess.run([sys.executable, "-m", "weier", *command.split()], cwd=tmp_path, check=True)
-    assert compare_images("docs/report.png", str(tmp_path / "report.png"), tol=2) is None
 
 
 DATA = """

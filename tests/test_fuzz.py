@@ -1,12 +1,9 @@
-"""Whatever is thrown at it: a scene is loaded or refused in a sentence, a command ends, and nothing strays."""
+"""Whatever is thrown at it: a scene is loaded or refused in a sentence, and nothing strays."""
 
 import itertools
 import math
 import re
-import sys
 import time
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 
 import pytest
 import yaml
@@ -14,12 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.marks import examples
-from weier import cli, scene
+from weier import scene
 from weier.figures import scene_checks
-from weier.kernels.jit import COMPILING_SECONDS
 from weier.methods.registry import names
 
-FEW, MANY = 120, 3400  # of three tests at least: 10^4
+FEW, MANY = 120, 5000
 LONGEST = 10.0  # s, for what is refused or loaded; a hang takes forever
 
 TEXTS = ["inf", ".nan", "nan", "5/0", "5/2", "1e-3", "1e400", "../../x", "/etc/passwd", "a\nb", ""]
@@ -45,7 +41,6 @@ PRODUCT_KEYS = ["D", "gamma", "m", "phases", "seed", "other"]
 SOLVING_KEYS = ["loads", "methods", "settings", "tolerance", "contact_edges"]
 SCENE_KEYS = ["title", "studies", "figures", "claims", "batch", "max_cases", *SOLVING_KEYS]
 METHODS = [name for name in names() if name != "westergaard"]  # for one wave only
-SETTINGS = ["points", "tolerance", "accuracy", "solver", "resistance", "quantity"]
 
 
 @st.composite
@@ -57,14 +52,14 @@ def scenes(draw):
     method = draw(st.sampled_from(METHODS))
     found = {"title": "fuzz", "loads": [0.1, 1.0], "methods": [method], "studies": {"one": {"product": product}}}
     if draw(st.booleans()):
-        found["settings"] = {method: {draw(st.sampled_from(SETTINGS)): draw(values)}}
+        found["settings"] = {method: {draw(st.sampled_from(["points", "tolerance", "quantity"])): draw(values)}}
     for key in draw(st.lists(st.sampled_from(SCENE_KEYS), max_size=2)):
         found[key] = draw(values)
     return found
 
 
 def load_or_refuse(path):
-    """Whether a scene loads and gives all files of the Snakefile; else it is refused, with a sentence a mistake."""
+    """Load a scene that gives all files of the Snakefile, or refuse it with a sentence a mistake."""
     start = time.perf_counter()
     refusal = ""
     try:
@@ -80,70 +75,19 @@ def load_or_refuse(path):
     assert len(lines) < 33
     assert all(len(line) < 2000 and (number == 0 or line.startswith("  ")) for number, line in enumerate(lines))
     assert time.perf_counter() - start < LONGEST
-    return not refusal
 
 
 def check_scene(folder, found):
-    return check_text(folder, yaml.safe_dump(found, allow_unicode=False).encode())
+    check_text(folder, yaml.safe_dump(found, allow_unicode=False).encode())
 
 
 def check_text(folder, text):
     path = folder / "a scene.yaml"
     path.write_bytes(text)
-    return load_or_refuse(path)
+    load_or_refuse(path)
 
 
 TEXT = st.binary(max_size=60) | st.text(alphabet="&*a!:{}[]-,|>%@`'\"\n 1.eE_~?<", max_size=60).map(str.encode)
-
-words = (
-    st.text(max_size=12)
-    | st.sampled_from([str(value) for value in ODD])
-    | st.floats().map(str)
-    | st.integers().map(str)
-)
-OPTIONS = ["-D", "--gamma", "-m", "--phases", "--seed", "--loads", "--set", "--tolerance"]
-
-
-@st.composite
-def arguments(draw):
-    """A sound command with some options replaced by others."""
-    given = {"-D": "1.25", "--gamma": "5", "-m": "2", "--loads": "0.1,1", "--method": "demelio"}
-    given["--method"] = draw(st.sampled_from(["archard", "demelio", "layer", "westergaard", "auto"]))
-    for option in draw(st.lists(st.sampled_from(OPTIONS), max_size=3)):
-        given[option] = draw(words)
-    if draw(st.booleans()):
-        given["--set"] = f"{given['--method']}.{draw(st.sampled_from(SETTINGS))}={draw(words)}"
-    return ["solve", *(part for pair in given.items() for part in pair)]
-
-
-def check_arguments(folder, given):
-    start, out, err = time.thread_time() - COMPILING_SECONDS.get(), StringIO(), StringIO()
-    before = sys.argv
-    sys.argv = ["weier", *given]
-    try:
-        with redirect_stdout(out), redirect_stderr(err), pytest.raises(SystemExit) as stopped:
-            cli.main()
-    finally:
-        sys.argv = before
-    assert stopped.value.code in (None, 0, 1, 2)
-    assert "Traceback" not in err.getvalue()
-    if stopped.value.code == 1:
-        assert err.getvalue().splitlines()[-1].startswith("weier: ")
-    assert list(folder.iterdir()) == []
-    assert time.thread_time() - COMPILING_SECONDS.get() - start < LONGEST
-
-
-FUZZED = [(scenes(), check_scene), (TEXT, check_text), (arguments(), check_arguments)]
-NAMES = ["scenes", "texts", "arguments"]
-
-
-def check_random(strategy, check, how_many, folder):
-    @how_many
-    @given(strategy)
-    def run(found):
-        check(folder, found)
-
-    run()
 
 
 @pytest.fixture
@@ -154,12 +98,16 @@ def folder(tmp_path, monkeypatch):
     return place
 
 
+FUZZED = {"scenes": (scenes(), check_scene), "texts": (TEXT, check_text)}
+
+
 @pytest.mark.filterwarnings("ignore:all (phases|loads)")  # doubts about their unit
 @pytest.mark.filterwarnings("ignore:.*is for one wave")
 @examples(FEW, MANY)
-@pytest.mark.parametrize(("strategy", "check"), FUZZED, ids=NAMES)
-def test_whatever_is_given_is_taken_or_refused_in_a_sentence(strategy, check, folder, how_many):
-    check_random(strategy, check, how_many, folder)
+@pytest.mark.parametrize("kind", FUZZED)
+def test_whatever_is_given_is_taken_or_refused_in_a_sentence(kind, folder, how_many):
+    strategy, check = FUZZED[kind]
+    how_many(given(strategy)(lambda found: check(folder, found)))()
 
 
 LAUGHS = "a: &a [x]\n" + "".join(

@@ -14,10 +14,7 @@ import yaml
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-import weier
-from tests.scenes import curves_in
 from weier.data.provenance import VERSION
-from weier.pipeline.products import made_of
 
 
 def run(*command, cwd=None):
@@ -92,24 +89,3 @@ def test_the_installed_wheel_passes_the_tests_of_the_archive(built):
     assert Path(run(python, "-c", "import weier; print(weier.__file__)", cwd=project)).is_relative_to(built)
     path = f"{python.parent}{os.pathsep}{os.environ['PATH']}"  # for the tests that call snakemake
     run("env", f"PATH={path}", python, "-m", "pytest", "-q", "--ignore=tests/test_packaging.py", cwd=project)
-
-
-def test_a_command_that_lacks_its_extra_says_so(tmp_path):
-    """A module that cannot be imported stands for one that is not installed."""
-    scene_file = "config/scenes/minimal.yaml"
-    digest = made_of(curves_in(weier.load_scene(scene_file), tmp_path), "page.html")
-    (tmp_path / "sitecustomize.py").write_text("import sys\nsys.modules['bokeh'] = None\n")
-    environment = os.environ | {"PYTHONPATH": f"{tmp_path}{os.pathsep}{Path.cwd()}"}
-    command = [
-        sys.executable,
-        "-m",
-        "weier",
-        "make",
-        scene_file,
-        tmp_path,
-        tmp_path / "drafts",
-        f"page.html/{digest}",
-    ]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment)
-    assert done.returncode == 1
-    assert re.fullmatch(r"weier: this command needs bokeh\S*: pip install 'weier\[pipeline\]', .*\n", done.stderr)

@@ -3,7 +3,6 @@
 import csv
 import re
 
-import numpy as np
 import pytest
 import xarray as xr
 import yaml
@@ -96,19 +95,3 @@ def test_files_of_others_are_refused_in_a_sentence(run):
         assert err.startswith("weier: ")
         assert err.count("\n") == 1
         assert why in err
-
-
-def test_a_table_of_an_ensemble_has_the_mean_and_the_scatter(run, folder):
-    series = [weier.Profile(D=1.25, gamma=5, m=2, seed=seed) for seed in range(3)]
-    data = weier.solve(series, [0.1, 1.0], "bem")
-    data.to_netcdf(folder / "many.nc")
-    code, out, _ = run("table", "many.nc", "--ensemble", "--si", "bodies.yaml")
-    assert code == 0
-    in_si = weier.Interface(**BODIES).in_si(data).resistance.values[:, 0]
-    first, second = rows(out)
-    assert float(first["resistance_mean (ohm m^2)"]) == pytest.approx(in_si[:, 0].mean())
-    assert float(second["resistance_deviation (ohm m^2)"]) == pytest.approx(in_si[:, 1].std(ddof=1))
-    assert float(second["resistance_numerical_error (ohm m^2)"]) > 0
-    assert float(second["resistance_percentile_90 (ohm m^2)"]) == pytest.approx(np.percentile(in_si[:, 1], 90))
-    assert "resistance_numerical_error (g_0/p_0*)" in rows(run("table", "many.nc")[1])[0]
-    assert float(second["mean_pressure (Pa)"]) > 1e6

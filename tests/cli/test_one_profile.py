@@ -26,17 +26,6 @@ def test_json_is_what_solve_gives(run):
     assert found["units"]["resistance"] == "g_0/p_0*"
 
 
-def test_settings_reach_the_method(run):
-    chosen = ("--set", "bem.points_per_wave=8", "--set", "bem.staircase=kept")
-    assert (
-        json.loads(run("solve", *PROFILE, "--loads", "1", "--method", "bem", *chosen)[1])["methods"]["bem"]["points"]
-        == 40
-    )
-    code, _, err = run("solve", *PROFILE, "--loads", "1", "--method", "bem", "--set", "bem.points_per_wave=2")
-    assert code != 0
-    assert "points_per_wave of bem must be a whole number, from 3 to" in err
-
-
 def test_loads_come_in_the_order_given_and_once_and_increasing_in_netcdf(run, tmp_path):
     wanted, given = [*PROFILE, "--loads", "1,0.1,0.1", "--method", "demelio"], [1.0, 0.1, 0.1]
     expected = weier.solve(weier.Profile(1.25, 5, 2, 1.0), given, "demelio").compliance.values.tolist()
@@ -139,14 +128,6 @@ def test_pressures_and_ohms_of_a_trace_by_one_command(run, shaft, tmp_path, bodi
         assert run("plot", *options, "--pressures", "1:10:5MPa", *force, path)[0] == 0
         assert "(MPa)" in path.read_text()
     assert "old.svg exists: name another file, or overwrite it by --force" in run("plot", *PROFILE, path)[2]
-
-
-def test_loads_with_bodies_give_si_units(run, bodies):
-    answer = json.loads(run("solve", *PROFILE, "--loads", "0.1", "--si", bodies)[1])
-    both = interface(lambda_0=1e-3, g_0=1e-6)
-    expected = both.in_si(weier.solve(weier.Profile(1.25, 5, 2, 1.0), [0.1]))
-    assert answer["mean_pressure"] == pytest.approx(expected.mean_pressure.values, rel=1e-12)
-    assert answer["methods"]["patches"]["resistance"] == pytest.approx(expected.resistance.values, rel=1e-12)
 
 
 def test_a_stopped_solution_prints_the_loads_that_are_solved(run):

@@ -52,14 +52,6 @@ def make(scene_file):
     return ["make", scene_file, scene_file.parent / "curves", scene_file.parent / "drafts", f"contact.nc/{made}"]
 
 
-def test_a_job_of_another_plan_is_refused_in_a_sentence(scene_file):
-    done = weier(*curves(scene_file, plan="another"))
-    assert done.returncode == 1
-    last = "weier: the code of weier has changed since the plan: run snakemake again, which plans with the new code"
-    assert done.stderr.splitlines()[-1] == last
-    assert not (scene_file.parent / "curves").exists()
-
-
 def test_a_product_without_curves_or_of_another_scene_is_named(run, scene_file):
     for edit, message in (
         ("m: 2", r"weier: contact.nc cannot be made: \d curves by .* are not solved: run snakemake again"),

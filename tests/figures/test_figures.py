@@ -138,26 +138,3 @@ def test_profiles_show_the_heights_of_the_data(studies: dict[str, xr.Dataset]) -
     # The series of the scene, written out: gamma = 5/2, D = 1.5, phases 0 and 1.
     exact = np.cos(2 * np.pi * np.asarray(x)) + 2.5**-0.5 * np.cos(5 * np.pi * np.asarray(x) + 1)
     np.testing.assert_allclose(z, exact, atol=1e-13)
-
-
-def with_an_estimate_beyond(kind: str, *methods: str) -> Figure:
-    """One case whose estimates have a resistance, a contact fraction and a compliance far off the numerical ones."""
-    data = many_cases((*methods, "patches")).isel(case=[2])
-    for name in ("resistance", "contact_fraction"):
-        data[name].values[:, :-1] *= 1e3
-    data["compliance"].values[:, :-1] -= 5
-    return sketch(kind, [data])
-
-
-@pytest.mark.parametrize("kind", ["resistance", "contact_fraction", "truncated_resistance"])
-def test_axes_follow_the_methods_of_the_paper_and_numerical_ones(kind: str) -> None:
-    (axes,) = with_an_estimate_beyond(kind, "persson", "cascade").axes
-    assert axes.get_ylim()[1] < 2
-    if kind != "truncated_resistance":  # which draws numerical curves alone
-        (axes,) = with_an_estimate_beyond(kind, "archard", "demelio").axes
-        assert axes.get_ylim()[1] > 100
-
-
-def test_a_negative_compliance_leaves_the_frame() -> None:
-    (axes,) = with_an_estimate_beyond("compliance", "persson", "cascade").axes
-    assert axes.get_ylim()[0] == 0

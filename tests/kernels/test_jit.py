@@ -62,11 +62,6 @@ def test_a_cache_that_cannot_be_made_gives_a_warning_and_no_cache_beside_the_sou
     assert not any(package.rglob("*.nbi"))
 
 
-def test_settings_of_numba_of_the_user_stay_as_they_are(package):
-    program = f"import numba; numba.config.CACHE_DIR = 'of the user'; {CALL}; print(numba.config.CACHE_DIR)"
-    assert run(package, program)[0] == "1\nof the user"
-
-
 @compiled
 def test_compiling_is_no_part_of_the_seconds_of_a_solution(package):
     program = (

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import weier
 from tests.scenes import curves_in, scene_in, solve_scene, write_data
 from weier.api import batch
 from weier.data import dataset
@@ -113,23 +112,3 @@ def test_a_file_has_the_loads_of_all_studies_and_each_study_its_own(of_loads, tm
         assert study.mean_pressure.values.tolist() == loads
         assert study.compliance.values[0].tolist() == own.values.tolist()
         assert np.isfinite(study.compliance).all()
-
-
-STUDIES = {
-    "coarse": WAVE | {"methods": ["bem"], "settings": {"bem": {"points_per_wave": 40}}},
-    "fine": WAVE | {"methods": ["bem"], "settings": {"bem": {"points_per_wave": 80}}},
-    "alike": WAVE | {"methods": ["bem"], "settings": {"bem": {"points_per_wave": 80}}},
-    "drawn": {"product": WAVE["product"] | {"seed": [7, 8]}},
-}
-
-
-def test_cases_are_distinguished_by_study_and_seed(tmp_path):
-    file_of(solve_scene(scene_in(tmp_path, ONE_STUDY | {"studies": STUDIES}), tmp_path / "curves"), tmp_path)
-    with weier.open_dataset(tmp_path / "contact.nc") as data:
-        assert data.case.values.tolist() == [
-            "alike, fine: D = 1.25, gamma = 5, m = 2, phases = 0",
-            "coarse: D = 1.25, gamma = 5, m = 2, phases = 0",
-            "drawn: D = 1.25, gamma = 5, m = 2, seed = 7",
-            "drawn: D = 1.25, gamma = 5, m = 2, seed = 8",
-        ]
-        assert {"study", "seed"} <= set(data["compliance"].coords)

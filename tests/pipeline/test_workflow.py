@@ -93,22 +93,6 @@ def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
     assert solved(plan(), "contact.nc") == []
 
 
-@pytest.mark.parametrize("slots", [1, 2, 3, 9])
-def test_each_product_that_is_not_up_to_date_is_made_by_one_of_as_many_jobs_as_can_run(folder, slots):
-    planned = plan(slots=slots)
-    planned.all_files(of())
-    shares = {}
-    for product in ("contact.nc", "one", "two", "page.html"):
-        shares.setdefault(planned.draft(of(product=product)), []).append(product)
-    count = min(slots, 4)
-    assert [path.rpartition(".")[0] for path in shares] == [
-        f"results/test/.drafts/all.{number}-of-{count}" for number in range(count)
-    ]
-    for number, share in enumerate(shares.values()):
-        stamps = planned.drafted(of(what="all", number=str(number), jobs=str(count)))
-        assert [Path(stamp).parent.name for stamp in stamps] == share
-
-
 def test_a_wrong_scene_ends_in_one_sentence(folder):
     change(folder, "1.25, gamma: 5, m: [1", "2.25, gamma: 5, m: [1")
     for function in (lambda: plan().all_files(of()), lambda: solved(plan(), "one")):
@@ -126,14 +110,3 @@ def test_what_takes_long_is_announced(folder, monkeypatch, capsys):
         monkeypatch.setattr(workflow.Part, "seconds", seconds)  # of each part
         plan().all_files(of())
     assert capsys.readouterr().err == "test: 6 curves to solve, in about 1200 s by 2 at once\n"
-
-
-def test_scenes_are_named_by_words_with_commas_between():
-    assert workflow.names_of_scenes({"scenes": "test, 2024,test"}) == ["test", "2024"]
-    for wrong in (2024, None, "", [1], True):
-        with pytest.raises(SystemExit, match=r"^weier: scenes must be names .*, got .*: quote .* \"scenes='2024'\"$"):
-            workflow.names_of_scenes({"scenes": wrong})
-    with pytest.raises(
-        SystemExit, match=r"^weier: a key of --config must be one of scenes, got 'scens': did you mean 'scenes'\?$"
-    ):
-        workflow.names_of_scenes({"scens": "test"})

@@ -134,19 +134,6 @@ def test_several_shortest_wavelengths_are_a_product_with_the_files(folder):
     assert len(loaded.distinct) == 4
 
 
-def test_the_layout_of_a_text_is_said_in_the_scene(folder):
-    rows = (
-        f"{n};{x};{z:.12f};ok".replace(".", ",") for n, (x, z) in enumerate(zip(1e6 * X, 1e6 * HEIGHTS, strict=True))
-    )
-    (folder / "lab.txt").write_text("\n".join(["7;8;9;10", "n;x;z;note", *rows, "OVER;OVER;OVER;OVER"]))
-    options = {"file": "lab.txt", "unit": "um", "ends": "periodic", "skip": 2, "rows": 64, "columns": [1, 2]}
-    options |= {"decimal": ",", "missing_value": [-9999, 88]}
-    (case,) = load(folder, studies={"one": {"trace": options, "methods": ["bem"]}}, figures={}).studies["one"]
-    expected = Trace(HEIGHTS, 64e-6, ends="periodic", unit="m")
-    assert case.profile.g_0 == pytest.approx(expected.g_0, rel=1e-9)
-    assert case.profile.lambda_0 == pytest.approx(64e-6, rel=1e-9)
-
-
 def test_what_the_file_holds_counts_and_not_where_it_is(folder, tmp_path_factory):
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     (case,), copied = load(folder).studies["mine"], elsewhere / "shaft.csv"
