@@ -53,26 +53,19 @@ wildcard_constraints:
     scene=r"[A-Za-z0-9_-]+",
     figure=r"[A-Za-z0-9_-]+",
     method=r"[a-z_]+",
-    group=r"[a-z_]+",
     what=rf"[\w.{BETWEEN}-]+",
-    product=r"[\w.-]+",
     number=r"\d+",
     jobs=r"\d+",
     numerics="[0-9a-f]+",
     missing="[0-9a-f]+",
-    stamps="[0-9a-f]+",
+    stamps=plan.new_digests,
 
 
 localrules:
     all,
-    made_of,
     data,
     figure,
     page,
-
-
-onstart:
-    plan.clean()
 
 
 rule all:
@@ -109,11 +102,11 @@ rule solve:
     output:
         temp(
             touch(
-                "results/curves/.solved/{what}/{numerics}/{missing}/{group}.{number}-of-{jobs}"
+                "results/curves/.solved/{what}/{numerics}/{missing}/{number}-of-{jobs}"
             )
         ),
     log:
-        "results/logs/curves/{what}.{missing}.{numerics}.{group}.{number}-of-{jobs}.log",
+        "results/logs/curves/{what}.{missing}.{numerics}.{number}-of-{jobs}.log",
     priority: 1
     conda:
         "rules/environment.yaml"
@@ -124,20 +117,20 @@ rule solve:
         run=command,
         scenes=scenes_of,
     message:
-        "solve {wildcards.what} by {wildcards.group}, {wildcards.number} of {wildcards.jobs}"
+        "solve {wildcards.what}, {wildcards.number} of {wildcards.jobs}"
     shell:
-        "{params.run} curves {wildcards.what:q} {wildcards.group} {wildcards.number} {wildcards.jobs} {wildcards.numerics}"
+        "{params.run} curves {wildcards.what:q} {wildcards.number} {wildcards.jobs} {wildcards.numerics}"
         " results/curves {params.scenes:q} 2>&1 | tee -i {log:q}"
 
 
-# A job makes its share of the products of a scene, since each process spends two seconds on imports. The rule made_of
-# moves each product into its stamp, a folder named by the digest of its inputs, and the rules below copy its files.
-# No rule makes a stamp that exists. The old stamp of a product is removed once the new one is there.
+# A job makes its share of the products of a scene, since each process spends two seconds on imports. Its folder keeps
+# their stamps, which are named by a digest of what they are made of; the rules below link the files to their places,
+# or copy them where the disk has no links. No rule makes a folder that exists.
 rule make:
     input:
         plan.solved,
     output:
-        temp(directory("results/{scene}/.drafts/{what}.{number}-of-{jobs}.{stamps}")),
+        directory("results/{scene}/.made_of/{what}.{number}-of-{jobs}.{stamps}"),
     log:
         "results/logs/{scene}/make/{what}.{number}-of-{jobs}.{stamps}.log",
     conda:
@@ -148,38 +141,16 @@ rule make:
     params:
         run=command,
         scene=lambda wildcards, output: scene_file(wildcards.scene),
-        stamps=plan.drafted,
+        stamps=plan.stamps,
     message:
         "{wildcards.scene}: make {wildcards.what}, {wildcards.number} of {wildcards.jobs}"
     shell:
         "{params.run} make {params.scene:q} results/curves {output:q} {params.stamps:q} 2>&1 | tee -i {log:q}"
 
 
-rule made_of:
-    input:
-        plan.draft,
-    output:
-        directory("results/{scene}/.made_of/{product}/{digest}"),
-    log:
-        "results/logs/{scene}/made_of/{product}.{digest}.log",
-    wildcard_constraints:
-        digest=plan.new_digests,
-    conda:
-        "rules/environment.yaml"
-    params:
-        made=lambda wildcards, input: f"{input[0]}/{wildcards.product}",
-        stamps=lambda wildcards, output: Path(output[0]).parent,
-    message:
-        "{wildcards.scene}: {wildcards.product} is made"
-    shell:
-        "(mv {params.made:q} {output:q} && "
-        "find {params.stamps:q} -mindepth 1 -maxdepth 1 ! -name {wildcards.digest:q} -exec rm -r {{}} +)"
-        " 2>&1 | tee -i {log:q}"
-
-
 rule data:
     input:
-        made_of=stamp(DATA),
+        made_of=job_of(DATA),
     output:
         "results/{scene}/contact.nc",
         report(
@@ -193,16 +164,17 @@ rule data:
     conda:
         "rules/environment.yaml"
     params:
+        made=files_made,
         folder=lambda wildcards, output: Path(output[0]).parent,
     message:
         "{wildcards.scene}: the data and the claims"
     shell:
-        "cp {input.made_of:q}/* {params.folder:q} 2>{log:q}"
+        "ln -f {params.made:q}/* {params.folder:q} 2>{log:q} || cp {params.made:q}/* {params.folder:q} 2>{log:q}"
 
 
 use rule data as figure with:
     input:
-        made_of=stamp("{figure}"),
+        made_of=job_of("{figure}"),
     output:
         report(
             "results/{scene}/figures/{figure}.png",
@@ -219,7 +191,7 @@ use rule data as figure with:
 
 use rule data as page with:
     input:
-        made_of=stamp(PAGE),
+        made_of=job_of(PAGE),
     output:
         report(
             "results/{scene}/page.html",

@@ -1,48 +1,44 @@
-# Measurements of the methods, each with a page:
-# snakemake --cores 2 tradeoff, convergence or extremes
-SETTINGS = {
-    "tradeoff": ["accuracy/tradeoff.yaml"],
-    "convergence": ["accuracy/infinite.yaml"],
-    "extremes": [],
-}
-
-
+# Measurements of the methods, each with a page. The trade takes all cores, since other jobs would disturb the measured
+# times.
 rule tradeoff:
     input:
-        "results/tradeoff/tradeoff.md",
-
-
-rule convergence:
-    input:
-        "results/convergence/convergence.md",
-
-
-rule extremes:
-    input:
-        "results/extremes/extremes.md",
-
-
-# The trade takes all cores, since other jobs would disturb the measured times.
-rule measure:
-    input:
-        settings=lambda wildcards: map(configured, SETTINGS[wildcards.study]),
+        configured("accuracy/tradeoff.yaml"),
     output:
-        page="results/{study}/{study}.md",
+        page="results/tradeoff/tradeoff.md",
     log:
-        "results/logs/{study}/measure.log",
-    wildcard_constraints:
-        study="|".join(SETTINGS),
+        "results/logs/tradeoff/measure.log",
     conda:
         "environment.yaml"
-    threads: lambda wildcards: slots() if wildcards.study == "tradeoff" else 1
+    threads: lambda wildcards: slots()
     params:
         run=command,
         code=digest_of_modules("accuracy"),
         numerics=plan.numerics,
-        scene=lambda wildcards, input: [f"--scene {path}" for path in input.settings],
+        study=lambda wildcards, output: Path(output.page).stem,
+        scene=lambda wildcards, input: [f"--scene {path}" for path in input],
     shell:
-        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run}.accuracy {wildcards.study} {params.scene} "
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run}.accuracy {params.study} {params.scene} "
         "--output {output.page:q} 2>&1 | tee -i {log:q}"
+
+
+use rule tradeoff as extremes with:
+    input:
+        [],
+    output:
+        page="results/extremes/extremes.md",
+    log:
+        "results/logs/extremes/measure.log",
+    threads: 1
+
+
+use rule tradeoff as convergence with:
+    input:
+        configured("accuracy/infinite.yaml"),
+    output:
+        page="results/convergence/convergence.md",
+    log:
+        "results/logs/convergence/measure.log",
+    threads: 1
 
 
 # The documentation, with the figures of the paper: snakemake --cores 2 docs

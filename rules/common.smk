@@ -8,7 +8,7 @@ from snakemake.settings.types import DeploymentMethod
 from weier.figures import caption
 from weier.figures.scene_checks import load_by_name
 from weier.digests import digest_of_modules
-from weier.pipeline.products import DATA, PAGE, files_of
+from weier.pipeline.products import DATA, FILES, PAGE, files_of
 from weier.pipeline.workflow import (
     ALL,
     BETWEEN,
@@ -60,14 +60,20 @@ def scenes_of(wildcards, output):
     return [scene_file(name) for name in names]
 
 
-def stamp(product):
-    """The stamp of a product, as an input function; the date of a fresh one does not count."""
+def job_of(product):
+    """The folder of the job that makes a product, as an input function; the date of a fresh product does not count."""
 
     def made_of(wildcards):
-        path, fresh = plan.stamp(wildcards.scene, product.format(**wildcards))
+        path, fresh = plan.job(wildcards.scene, product.format(**wildcards))
         return ancient(path) if fresh else path
 
     return made_of
+
+
+def files_made(wildcards, input, output):
+    """The folder with the files of a product, as its job has left them."""
+    product = wildcards.get("figure", Path(output[0]).name)
+    return f"{input.made_of}/{product}/{FILES}"
 
 
 def labels_of_figure(wildcards):

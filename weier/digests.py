@@ -59,13 +59,6 @@ def numerics() -> str:
 def digest_of_modules(*parts: str) -> str:
     """Return a digest of all source files of some rooms, and of single modules, as they are on disk now.
 
-    Raises
-    ------
-    OSError
-        If there are no such files.
-
-    Notes
-    -----
     Syntax trees take 0.7 s, texts some milliseconds: the digest is remembered by that of the texts, in the cache.
     """
     texts = {path: (PACKAGE / path).read_bytes() for path in _files(parts)}
@@ -98,10 +91,7 @@ def versions() -> str:
 def cache_root() -> Path:
     """Return the cache folder of weier, in NUMBA_CACHE_DIR or in the user's cache.
 
-    Raises
-    ------
-    OSError
-        If the user has no home directory, as in a container that knows no such user, and no variable names a cache.
+    OSError is raised where the user has no home directory, as in a container, and no variable names a cache.
     """
     if own := os.environ.get("NUMBA_CACHE_DIR"):
         return Path(own)

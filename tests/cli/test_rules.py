@@ -9,7 +9,7 @@ import pytest
 
 from weier import scene
 from weier.digests import numerics
-from weier.pipeline.needed_curves import CLOSED, Curves
+from weier.pipeline.needed_curves import Curves
 from weier.pipeline.products import made_of
 from weier.pipeline.store import Store
 
@@ -41,9 +41,9 @@ def scene_file(tmp_path):
     return path
 
 
-def curves(scene_file, plan=None, group=CLOSED):
-    """The arguments of the job of all curves of a group."""
-    return ["curves", "all", group, 0, 1, plan or numerics(), scene_file.parent / "curves", scene_file]
+def curves(scene_file, plan=None):
+    """The arguments of the job of all curves."""
+    return ["curves", "all", 0, 1, plan or numerics(), scene_file.parent / "curves", scene_file]
 
 
 def make(scene_file):

@@ -10,7 +10,6 @@ import pytest
 from tests.scenes import solve_scene
 from weier.figures.scene_checks import load_by_name
 from weier.pipeline import workflow
-from weier.pipeline.needed_curves import CLOSED
 from weier.pipeline.workflow import Plan
 
 SCENE = """
@@ -52,43 +51,28 @@ def change(folder, old, new):
     path.write_text(text.replace(old, new))
 
 
-def test_a_run_removes_the_drafts_that_earlier_ones_have_left_of_what_it_makes(folder):
-    """Another run may be making another product of the scene."""
-    drafts = folder / "results/test/.drafts"
-    others = {"two.0-of-1.a", "all.0-of-1.a", "one.html.0-of-1.a"}
-    for name in ("one.0-of-1.a", "one.1-of-2.b.unfinished", *others):
-        (drafts / name).mkdir(parents=True)
-    own = plan()
-    (planned := Path(own.draft(of(product="one")))).mkdir()
-    own.clean()
-    assert {path.name for path in drafts.iterdir()} == {planned.name, *others}
-
-
 def solved(plan, product, scene="test"):
     """The jobs that solve curves for the job that makes a product."""
     what, number, count = re.fullmatch(
-        rf"results/{scene}/\.drafts/(.*)\.(\d+)-of-(\d+)\.\w+", plan.draft(of(scene=scene, product=product))
+        rf"results/{scene}/\.made_of/(.*)\.(\d+)-of-(\d+)\.\w+", plan.job(scene, product)[0]
     ).groups()
     return plan.solved(of(scene=scene, what=what, number=number, jobs=count))
 
 
 def jobs(found):
-    """Groups of jobs, with what they are of."""
+    """Jobs, with what they are of."""
     return [(Path(path).parents[2].name, Path(path).name) for path in found]
 
 
 def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
     """Those of all scenes where all is made; and its own if it is named alone."""
     alone = plan()
-    assert jobs(solved(alone, "one")) == [
-        ("test~one", f"{CLOSED}.0-of-1"),
-        ("test~one", "bem.0-of-1"),
-    ]
+    assert jobs(solved(alone, "one")) == [("test~one", "0-of-1")]
     together = plan()
     together.all_files(of())
     found = [solved(together, product) for product in ("one", "two", "contact.nc")]
     assert found[0] == found[1] == found[2]
-    assert jobs(found[0]) == [("all", f"{CLOSED}.0-of-1"), ("all", "bem.0-of-1")]
+    assert jobs(found[0]) == [("all", "0-of-1")]
     solve_scene(alone.scene("test"), Path("results/curves"))
     assert solved(plan(), "contact.nc") == []
 

@@ -50,7 +50,7 @@ def test_a_trace_is_read_as_by_the_library_and_is_the_same_case_in_memory(folder
     (case,) = load(folder).studies["mine"]
     expected = Trace.read(folder / "shaft.csv", shortest=8e-6, ends="periodic", unit="m")
     assert case.profile.labels == expected.labels
-    same = Case.from_surface(expected, ("bem",), {})
+    same = Case(expected.parameters, ("bem",), {}, expected)
     assert same.surface_key == case.surface_key
 
 

@@ -159,7 +159,7 @@ def solve_under(
     from weier.api.batch import solve_batch  # imports the scenes, which a single curve does not need
     from weier.scene.case import Case
 
-    cases = [Case.from_surface(surface, tuple(methods), checked) for surface in profiles]
+    cases = [Case(surface.parameters, tuple(methods), checked, surface) for surface in profiles]
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     failures: list[str] = []
 

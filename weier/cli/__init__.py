@@ -16,7 +16,7 @@ from weier.cli import one_profile, report, rules, table
 from weier.data.provenance import VERSION
 from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
-from weier.scene.mistakes import one_line
+from weier.scene.yaml import one_line
 
 # Packages that only an extra installs, and the command that installs it.
 CHECKOUT = "pip install 'weier[pipeline]', or requirements/run.txt of a checkout"

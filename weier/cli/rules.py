@@ -40,19 +40,16 @@ def compile(methods: Sequence[str]) -> None:
 
 @click.command(hidden=True)
 @click.argument("what")
-@click.argument("group")
 @click.argument("number", type=int)
 @click.argument("count", type=int)
 @click.argument("numerics")
 @click.argument("folder", type=FILE)
 @click.argument("scenes", nargs=-1, type=FILE, required=True)
-def curves(
-    what: str, group: str, number: int, count: int, numerics: str, folder: Path, scenes: Sequence[Path]
-) -> None:
+def curves(what: str, number: int, count: int, numerics: str, folder: Path, scenes: Sequence[Path]) -> None:
     """Solve the share NUMBER of COUNT of the curves of SCENES that the store in FOLDER lacks.
 
-    WHAT names the products, GROUP the compiled method, and NUMERICS is the digest of the planning code. Curves
-    in the store survive Ctrl-C, SIGTERM and a kill.
+    WHAT names the products, and NUMERICS is the digest of the planning code. Curves in the store survive Ctrl-C,
+    SIGTERM and a kill.
     """
     from weier.pipeline.jobs import solve
     from weier.pipeline.needed_curves import Curves
@@ -61,41 +58,45 @@ def curves(
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     store = Store(folder, numerics)
     loaded = {path.stem: Curves(weier.load_scene(path), store) for path in scenes}
-    lacking = missing(what, list(loaded), loaded.__getitem__).get(group, [])
-    own = [part.share(number, count) for part in lacking]
-    with job("solve", f"{sum(len(part.keys) for part in own)} curves by {group}"):
+    own = [part.share(number, count) for part in missing(what, list(loaded), loaded.__getitem__)]
+    with job("solve", f"{sum(len(part.keys) for part in own)} curves"):
         solve(own, store, origin(), lambda line: click.echo(line, err=True))
 
 
 @click.command(hidden=True)
 @SCENE
 @click.argument("store", type=FILE)
-@click.argument("drafts", type=FILE)
+@click.argument("folder", type=FILE)
 @click.argument("stamps", nargs=-1, type=FILE, required=True)
-def make(scene_file: Path, store: Path, drafts: Path, stamps: Sequence[Path]) -> None:
-    """Make the products named by STAMPS from the curves in STORE, each in a folder of DRAFTS.
+def make(scene_file: Path, store: Path, folder: Path, stamps: Sequence[Path]) -> None:
+    """Make the products named by STAMPS from the curves in STORE, with their checksums, in FOLDER.
 
     Products that cannot be made are reported. The exit code is 1 if none can.
     """
     from weier.figures.make import make_product
     from weier.pipeline.needed_curves import Curves
+    from weier.pipeline.products import FILES, checksums, files_of, remove_older
 
     curves = Curves(weier.load_scene(scene_file), Store(store, numerics()))
-    unfinished = drafts.with_name(f"{drafts.name}.unfinished")  # DRAFTS appears only as a whole
+    unfinished = folder.with_name(f"{folder.name}.unfinished")  # FOLDER appears only as a whole
     shutil.rmtree(unfinished, ignore_errors=True)
-    unfinished.mkdir(parents=True)
     for stamp in stamps:
         name = stamp.parent.name
+        files = unfinished / name / FILES
+        files.mkdir(parents=True)
         try:
             with job("make", scene_file.stem, name):
-                make_product(curves, stamp, unfinished / name)
+                make_product(curves, stamp, files)
+            sums = checksums(files / Path(file).name for file in files_of(name))
+            (unfinished / stamp).write_text(sums, encoding="ascii")
+            remove_older(unfinished, name)
         except ValueError as error:
             shutil.rmtree(unfinished / name, ignore_errors=True)
             click.echo(f"weier: {error}", err=True)
     if not any(unfinished.iterdir()):
         unfinished.rmdir()
         raise click.exceptions.Exit(1)
-    unfinished.rename(drafts)
+    unfinished.rename(folder)
 
 
 @click.command()

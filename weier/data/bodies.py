@@ -329,13 +329,7 @@ def scales_of(bodies: Bodies, data: xr.Dataset) -> dict[str, tuple[Array, str]]:
 
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
-    """Convert values of a quantity from SI to normalised units.
-
-    Raises
-    ------
-    ValueError
-        If these are resistances between two perfect conductors, which have none.
-    """
+    """Convert values of a quantity from SI to normalised units; ValueError for a resistance that is always 0."""
     factor, si = bodies.scales.get(unit, (np.array(1.0), units.NONE))
     if factor == 0:
         raise ValueError("resistance must be between bodies with a resistivity, got two perfect conductors")

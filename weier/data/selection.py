@@ -135,12 +135,8 @@ class CurvesAccessor:
 def as_cases(data: xr.Dataset) -> xr.Dataset:
     """Return curves with the dimensions of the table of variables, in its order, whatever was selected from them.
 
-    A dimension that was selected away is added with size 1.
-
-    Raises
-    ------
-    ValueError
-        If a variable that describes a curve is missing, or if dimensions were stacked.
+    A dimension that was selected away is added with size 1. ValueError is raised if a variable that describes a curve
+    is missing, or if dimensions were stacked.
     """
     if lacking := [name for name in NEEDED if name not in data.variables]:
         raise ValueError(

@@ -24,25 +24,10 @@ NOT_COMPARED = ("seconds", ORIGIN)  # these differ from run to run
 def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Callable[[str], None]) -> int:
     """Compare curves of other numerics that scenes lack with new solutions, and copy those that agree.
 
-    The new solutions stay in the store. Beside the segments of the present numerics, `adopted.json` has both digests
-    and the result.
-
-    Parameters
-    ----------
-    scenes : iterable of Curves
-        What is wanted.
-    store : Store
-        The solved curves, under the present numerics.
-    within_errors : bool
-        Whether compliance and resistance may differ by the sum of their stated errors; by default, all bits of all
-        quantities must agree.
-    say : callable
-        Called with a line for each comparison.
-
-    Returns
-    -------
-    int
-        The number of comparisons, one for each kind and other numerics.
+    All bits of all quantities must agree, or with `within_errors`, compliance and resistance must agree within the
+    sum of their stated errors. The new solutions stay in the store. Beside the segments of the present numerics,
+    `adopted.json` has both digests and the result. Return the number of comparisons, one for each kind and other
+    numerics.
     """
     by_kind: dict[str, list[Part]] = {}
     for part in store.lacking(part for curves in scenes for part in curves.parts_for()):

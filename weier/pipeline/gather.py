@@ -35,15 +35,7 @@ Values = NDArray[Any]
 
 
 class Solved:
-    """Cases of a scene with their solved curves, over case, method and the union of their loads.
-
-    Parameters
-    ----------
-    curves : Curves
-        The curves of the scene, with their store.
-    cases : ndarray of int, optional
-        Numbers of the cases; all by default.
-    """
+    """Cases of a scene, by their numbers, with their solved curves over case, method and the union of their loads."""
 
     def __init__(self, curves: Curves, cases: Indices | None = None) -> None:
         self.scene, self._store = curves.scene, curves.store
@@ -145,22 +137,10 @@ def read_cases(curves: Curves, cases: Indices, without: Collection[str] = ()) ->
 
 
 def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None:
-    """Write all cases of a scene in their order, with their labels and further variables, atomically.
+    """Write all cases of a scene in their order, with their labels and `more` variables without cases, atomically.
 
-    Parameters
-    ----------
-    curves : Curves
-        The curves of the scene, with their store.
-    path : path
-        The file.
-    step : str
-        The step that made the data, for the history of the file.
-    more : Dataset
-        Further variables, without the dimension case.
-
-    Notes
-    -----
-    Of the variables over loads only one is in memory at a time, so that a file may be larger than memory.
+    `step` is the step that made the data, for the history of the file. Of the variables over loads only one is in
+    memory at a time, so that a file may be larger than memory.
     """
     scene, solved = curves.scene, Solved(curves)
     over_loads = [name for name in solved.names if VARIABLES[name].dims == CURVE]

@@ -10,7 +10,6 @@ import numpy as np
 
 from weier.api.progress import Progress, counted
 from weier.api.rows import curve_row, surface_row
-from weier.api.task import CurveTask
 from weier.digests import numerics
 from weier.pipeline.needed_curves import SURFACE, Kind, Part
 from weier.pipeline.store import Store
@@ -23,29 +22,13 @@ CHANGED = "the code of weier has changed since {}: run snakemake again, which pl
 
 
 def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str], None]) -> None:
-    """Solve curves and append them to the store.
+    """Solve curves in this order and append them, with their origin, to the store, whose numerics are the plan's.
 
-    Parameters
-    ----------
-    parts : iterable of Part
-        What to solve, in this order.
-    store : Store
-        Where to append it; its numerics are those of the plan.
-    origin : str
-        The program and the processor, which are stored with the curves.
-    say : callable
-        Called with lines of progress and with the reason why a method has no curve.
-
-    Raises
-    ------
-    ValueError
-        If the code on disk differs from the planned code or changes meanwhile, since the store files curves by code.
-    Exception
-        The first error of a curve, once all others are solved.
+    ValueError is raised if the code on disk differs from the planned code or changes meanwhile, since the store files
+    curves by code. An error of a curve is raised once all others are solved.
     """
     work = list(parts)
     check_code(store, "the plan")
-    store.remove_leftovers()
     count = sum(len(part.keys) for part in work)
     progress = Progress(count, counted(count, "curve"), APPEND_SECONDS, say)
     rows: dict[np.uint64, Mapping[str, Any]] = {}
@@ -88,7 +71,7 @@ def _row(kind: Kind, case: Case, say: Callable[[str], None]) -> dict[str, Any]:
             fits = fit_columns([(case.profile, case.parameters["trace"].get("longest"))])
             row |= {name: column[0] for name, column in fits.items()}
         return row
-    curve = CurveTask(case.profile, kind.method, kind.settings, kind.loads_for(case.profile))
+    curve = kind.curve_of(case.profile)
     if isinstance(outcome := curve.outcome(), Exception):
         say(f"{case.profile.describe()}, {kind.method}: {outcome}")
     row = curve_row(curve, outcome)

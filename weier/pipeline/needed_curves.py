@@ -10,14 +10,15 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weier.api.task import CurveTask
 from weier.digests import DIGITS, digest
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Flags, Indices
 from weier.methods.method import CURVE_SECONDS
-from weier.methods.registry import find_method, methods_run_by
+from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.scene.cases import Scene
 from weier.scene.identity import Keys, digest_of_keys, key_of
@@ -26,11 +27,8 @@ from weier.theory.conduction import full_contact_pressure
 
 if TYPE_CHECKING:
     from weier.pipeline.store import Store
-    from weier.surface.measured.trace import Trace
-    from weier.surface.waves import Waves
 
 SURFACE = "surface"  # stands for the method in rows that describe a surface
-CLOSED = "closed_form"  # group of methods without compiled kernels
 
 
 @dataclass(frozen=True)
@@ -60,24 +58,16 @@ class Kind:
         return f"{self.method}-{digest(self.about)[:DIGITS]}"
 
     @property
-    def group(self) -> str:
-        """The compiled method whose kernels it needs, or CLOSED."""
-        if self.method == SURFACE or not any(method.numerical for method in methods_run_by(self.method)):
-            return CLOSED
-        return self.method
-
-    @property
     def uses_phases(self) -> bool:
         """Whether its curves depend on phases."""
         return self.method == SURFACE or find_method(self.method).uses_phases
 
-    def loads_for(self, surface: Waves) -> Array:
-        """Return the loads of a surface in p_0*."""
+    def curve_of(self, surface: Any) -> CurveTask:
+        """Return the curve of a surface, with its loads in p_0*."""
         loads = np.array(self.loads)
-        if self.modulus is None:
-            return loads
-        trace = cast("Trace", surface)
-        return loads / full_contact_pressure(self.modulus, trace.lambda_0, trace.g_0)
+        if self.modulus is not None:
+            loads /= full_contact_pressure(self.modulus, surface.lambda_0, surface.g_0)
+        return CurveTask(surface, self.method, self.settings, loads)
 
 
 def kind_of(product: CaseProduct, method: str, scene: Scene) -> Kind:
@@ -128,19 +118,14 @@ class Part:
         keys = self.product.keys_without_phases[self.positions]
         _, first, counts = np.unique(keys, return_index=True, return_counts=True)
         cases = map(self.product.case, self.positions[first].tolist())
-        each = [case.seconds(self.kind.method, self.kind.loads_for(case.profile)) for case in cases]
-        return float(np.dot(each, counts))
+        return float(np.dot([self.kind.curve_of(case.profile).expected for case in cases], counts))
 
 
 class Curves:
     """The curves of a scene, and the store that has the solved ones.
 
-    Attributes
-    ----------
-    parts : list of Part
-        By product and method, in their order.
-    surfaces : list of Part
-        What describes the surfaces, by product.
+    parts : by product and method, in their order
+    surfaces : what describes the surfaces, by product
     """
 
     def __init__(self, scene: Scene, store: Store) -> None:

@@ -1,13 +1,15 @@
 """The products of a scene, and the stamps that record what each product was made from.
 
-`results/SCENE/.made_of/PRODUCT/DIGEST` is a stamp. Its name is the digest of the curves that the product reads, its
-entry in the scene and the code that makes it, so that Snakemake only has to make missing files. It holds the original
-files of the product, which reveals edited files.
+`results/SCENE/.made_of/JOB/PRODUCT/DIGEST` is a stamp. Its name is the digest of the curves that the product reads,
+its entry in the scene and the code that makes it, so that Snakemake only has to make missing folders of jobs. It
+holds the checksums of the product's files, which reveal edited files.
 """
 
 from __future__ import annotations
 
-import filecmp
+import hashlib
+import shutil
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +22,7 @@ from weier.scene.identity import digest_of_keys
 # Products of a scene other than figures: the dataset with the claims, and the explorer. Figure names have no dot.
 DATA, CLAIMS, PAGE = "contact.nc", "claims.md", "page.html"
 FORMATS = ("png", "pdf", "svg", "csv")  # each figure is written in these formats
-STAMPS = ".made_of"
+STAMPS, FILES = ".made_of", "files"
 DATA_ROOMS, FIGURE_ROOMS = ("data", "scene", "api", "pipeline"), ("data", "scene", "api", "pipeline", "figures")
 
 
@@ -58,19 +60,35 @@ def made_of(curves: Curves, product: str) -> str:
 
 
 def stamp_of(folder: Path, product: str, made_of: str) -> tuple[Path, bool]:
-    """Return the stamp of a product with this digest, and whether the product's files equal those in the stamp.
+    """Return the stamp of a product with this digest, and whether the product's files are those of the stamp.
 
-    A product whose files have changed since needs a stamp of another name, which is missing.
+    A product whose files have changed since needs a stamp of another name. Where it is missing, the path is relative
+    to the job that makes it.
     """
-    stamps = folder / STAMPS / product
-    known = sorted(stamps.glob(f"{made_of}*"))
-    for stamp in known:
-        if all(_alike(folder / file, stamp / Path(file).name) for file in files_of(product)):
-            return stamp, True
-    edited = f".{digest([path.name for path in known])[:DIGITS]}" if known else ""
-    return stamps / f"{made_of}{edited}", False
+    known = sorted((folder / STAMPS).glob(f"*/{product}/{made_of}*"))
+    files = [folder / file for file in files_of(product)]
+    if all(file.is_file() for file in files):
+        sums = checksums(files)
+        for stamp in known:
+            if stamp.read_text(encoding="ascii") == sums:
+                return stamp, True
+    edited = f".{digest([str(path.relative_to(folder)) for path in known])[:DIGITS]}" if known else ""
+    return Path(product, f"{made_of}{edited}"), False
 
 
-def _alike(one: Path, other: Path) -> bool:
-    """Return whether two files exist and have the same content."""
-    return one.is_file() and other.is_file() and filecmp.cmp(one, other, shallow=False)
+def checksums(files: Iterable[Path]) -> str:
+    """Return the checksums of files, as the command sha256sum writes them."""
+    lines = []
+    for file in files:
+        with file.open("rb") as content:
+            lines.append(f"{hashlib.file_digest(content, 'sha256').hexdigest()}  {file.name}\n")
+    return "".join(lines)
+
+
+def remove_older(job: Path, product: str) -> None:
+    """Remove the stamps of a product that other jobs than this one have left."""
+    for other in job.parent.glob(f"*/{product}"):
+        if other.parent != job:
+            shutil.rmtree(other)
+            if not any(path.is_dir() for path in other.parent.iterdir()):
+                shutil.rmtree(other.parent)

@@ -15,7 +15,7 @@ import time
 import zipfile
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,7 +29,6 @@ from weier.scene.identity import Keys, distinct
 
 KEY, ORIGIN = "key", "origin"  # one key per row, one origin per segment
 SUFFIX = ".npz"
-LEFTOVER_SECONDS = 24 * 3600.0
 DAMAGED = "{} is damaged ({}): move it away and run snakemake again, which solves its curves anew"
 
 
@@ -49,15 +48,7 @@ class Index(NamedTuple):
 
 
 class Store:
-    """The solved curves of one folder under one numerics.
-
-    Parameters
-    ----------
-    folder : path
-        Such as results/curves.
-    numerics : str
-        The name of the numerics.
-    """
+    """The solved curves of one folder, such as results/curves, under one numerics."""
 
     def __init__(self, folder: str | Path, numerics: str) -> None:
         self.folder, self.numerics = Path(folder), numerics
@@ -81,10 +72,7 @@ class Store:
     def read(self, kind: Kind, keys: Keys, name: str) -> NDArray[Any] | None:
         """Return a variable of each curve, shape (keys, ...), NaN or "" if missing; None if no curve has it.
 
-        Raises
-        ------
-        ValueError
-            If a curve is not solved, or a segment is damaged.
+        ValueError is raised if a curve is not solved, or a segment is damaged.
         """
         index = self.index(kind.name)
         known, place = index.find(keys)
@@ -125,14 +113,6 @@ class Store:
     def segments(self, kind: str) -> Path:
         """Return the folder with the segments of a kind."""
         return self.folder / kind / self.numerics
-
-    def remove_leftovers(self) -> None:
-        """Remove files of jobs that were killed while writing, a day ago or before."""
-        before = time.time() - LEFTOVER_SECONDS
-        for path in (*self.folder.glob("*/.*.*"), *self.folder.glob("*/*/.*.*")):
-            with suppress(OSError):  # another run may have named or removed it
-                if path.is_file() and path.stat().st_mtime < before:
-                    path.unlink()
 
     def index(self, kind: str) -> Index:
         """Return the rows of a kind."""

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
-import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -17,14 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from weier.api.progress import LONG
-from weier.checks import checked_word, shown
+from weier.checks import checked_word
 from weier.data.files import check_target
 from weier.data.markdown import significant
 from weier.digests import DIGITS, digest, numerics
 from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
 from weier.pipeline import products
-from weier.pipeline.needed_curves import CLOSED, SURFACE, Curves, Part
+from weier.pipeline.needed_curves import SURFACE, Curves, Part
 from weier.pipeline.store import Store
 from weier.scene import Scene
 from weier.scene.identity import digest_of_keys
@@ -32,7 +30,6 @@ from weier.scene.identity import digest_of_keys
 CONFIG_KEYS = ("scenes",)  # keys that `snakemake --config` accepts
 ALL = "all"  # the curves of all products of the scenes of the configuration
 BETWEEN = "~"  # separates scene and product; neither name contains it
-DRAFTS = ".drafts"
 # Minutes of a job in addition to the expected ones, for a busy disk; expected seconds may be wrong by this factor. A
 # job that needs more is run again with twice as many.
 BASE_MINUTES, SECONDS_FACTOR = 5, 5
@@ -43,18 +40,8 @@ JOB_SECONDS = 10.0
 class Plan:
     """The plan of one run of Snakemake; methods that take `wildcards` are functions for its rules.
 
-    Parameters
-    ----------
-    names : sequence of str
-        The scenes that the configuration names.
-    load : callable
-        From the name of a scene to the scene; a SceneError if there is none, or it has mistakes.
-    slots : int
-        The number of jobs that can run at once.
-    runs : callable, optional
-        Whether jobs are going to run, so that folders must be open to writing.
-    results : path, optional
-        The folder for the results.
+    `names` are the scenes of the configuration, `load` finds a scene by its name, `slots` is the number of jobs that
+    can run at once, and `runs` is whether any will, so that folders must be open to writing.
     """
 
     def __init__(
@@ -67,7 +54,6 @@ class Plan:
     ) -> None:
         self.names, self.slots, self.results = names, slots, Path(results)
         self._load, self._runs, self._wants_all = cache(load), runs, False
-        self._drafts: set[Path] = set()  # those that this run makes
         # Cached, since Snakemake calls them several times.
         self.curves, self.missing, self.stamp = cache(self._curves), cache(self._missing), cache(self._stamp)
 
@@ -92,7 +78,7 @@ class Plan:
     # --- products ---
 
     def all_files(self, wildcards: Any) -> list[str]:
-        """Return all products of the scenes of the configuration, with their stamps."""
+        """Return all products of the scenes of the configuration, with the folders of the jobs that made them."""
         self._wants_all = True
         files = []
         with ending_in_one_sentence():
@@ -102,7 +88,7 @@ class Plan:
                     check_target(self.results / name / "any")
                 for product in products.names_of(self.scene(name)):
                     files += [str(self.results / name / file) for file in products.files_of(product)]
-                    files.append(str(self.stamp(name, product)[0]))
+                    files.append(self.job(name, product)[0])
             self._announce()
         return files
 
@@ -112,20 +98,23 @@ class Plan:
             curves = self.curves(name)
             return products.stamp_of(self.results / name, product, products.made_of(curves, product))
 
-    def draft(self, wildcards: Any) -> str:
-        """Return the folder of the job that makes a product: alone if it is named, else with others."""
-        name, product = wildcards.scene, wildcards.product
+    def job(self, name: str, product: str) -> tuple[str, bool]:
+        """Return the folder of the job that makes a product, or that made it, and whether the product is fresh.
+
+        A product that is named is made alone, others together, since a process spends two seconds on imports.
+        """
+        stamp, fresh = self.stamp(name, product)
+        if fresh:
+            return str(stamp.parents[1]), True
         what, number, count = product, 0, 1
         if self._is_of_all(name):
             named = products.names_of(self.scene(name))
             count = min(self.slots, len(self._stale(name, named)))
             what, number = ALL, named.index(product) % count
         stamps = digest(self._share(name, what, number, count))[:DIGITS]
-        path = self.results / name / DRAFTS / f"{what}.{number}-of-{count}.{stamps}"
-        self._drafts.add(path)
-        return str(path)
+        return str(self.results / name / products.STAMPS / f"{what}.{number}-of-{count}.{stamps}"), False
 
-    def drafted(self, wildcards: Any, output: Any = None) -> list[str]:
+    def stamps(self, wildcards: Any, output: Any = None) -> list[str]:
         """Return the stamps of the products that a job makes."""
         return self._share(wildcards.scene, wildcards.what, int(wildcards.number), int(wildcards.jobs))
 
@@ -141,63 +130,56 @@ class Plan:
     def _is_of_all(self, name: str) -> bool:
         return self._wants_all and name in self.names
 
-    def clean(self) -> None:
-        """Remove what failed and killed runs have left of the drafts that this run makes."""
-        for path in self._drafts:
-            what = path.name.rsplit(".", 2)[0]
-            for left in {*path.parent.glob(f"{what}.[0-9]*")} - self._drafts:
-                shutil.rmtree(left, ignore_errors=True)
-
     @property
     def new_digests(self) -> str:
-        """A pattern that matches missing stamps only, since no rule makes existing ones."""
-        known = {path.name for path in self.results.glob(f"*/{products.STAMPS}/*/*")}
-        return rf"(?!({'|'.join(map(re.escape, sorted(known)))})$)[0-9a-f.]+" if known else "[0-9a-f.]+"
+        """A pattern that matches digests of missing folders of jobs only, since no rule makes existing ones."""
+        known = {path.name.rpartition(".")[2] for path in self.results.glob(f"*/{products.STAMPS}/*")}
+        return rf"(?!({'|'.join(sorted(known))})$)[0-9a-f]+" if known else "[0-9a-f]+"
 
     # --- curves ---
 
     def solved(self, wildcards: Any) -> list[str]:
         """Return the jobs that solve the missing curves of the products that a job makes."""
         name, jobs = wildcards.scene, list[str]()
-        for stamp in self.drafted(wildcards):
+        for stamp in self.stamps(wildcards):
             own = f"{name}{BETWEEN}{Path(stamp).parent.name}"
             with ending_in_one_sentence():
-                what = ALL if self._is_of_all(name) else own
-                jobs += [job for group in self.missing(own) for job in self._jobs(what, group)]
+                if self.missing(own):
+                    jobs += self._jobs(ALL if self._is_of_all(name) else own)
         return list(dict.fromkeys(jobs))
 
-    def _missing(self, what: str) -> dict[str, list[Part]]:
+    def _missing(self, what: str) -> list[Part]:
         return missing(what, self.names, self.curves)
 
-    def _jobs(self, what: str, group: str) -> list[str]:
-        """Return the jobs that solve the missing curves of a group: at most `slots`, and none too short."""
-        parts = self.missing(what)[group]
+    def _jobs(self, what: str) -> list[str]:
+        """Return the jobs that solve the missing curves: at most `slots`, and none too short."""
+        parts = self.missing(what)
         curves, seconds = sum(len(part.keys) for part in parts), sum(part.seconds for part in parts)
         count = max(1, min(self.slots, curves, math.ceil(seconds / JOB_SECONDS)))
         keys = digest([[part.kind.name, digest_of_keys(part.keys)] for part in parts])[:DIGITS]
         folder = self.results / "curves" / ".solved" / what / self.numerics / keys
-        return [str(folder / f"{group}.{number}-of-{count}") for number in range(count)]
+        return [str(folder / f"{number}-of-{count}") for number in range(count)]
 
     def minutes(self, wildcards: Any, attempt: int) -> int:
         """Return the minutes that a job of curves may need, more at each attempt."""
-        parts = self.missing(wildcards.what).get(wildcards.group, [])
-        seconds = sum(part.seconds for part in parts) / int(wildcards.jobs)
+        seconds = sum(part.seconds for part in self.missing(wildcards.what)) / int(wildcards.jobs)
         return round(attempt * (BASE_MINUTES + SECONDS_FACTOR * seconds / 60))
 
     def kernels(self, wildcards: Any) -> list[str]:
-        """Return the marker files of the compiled kernels that a group of curves needs.
+        """Return the marker files of the compiled kernels that the missing curves need.
 
         Closed forms compile in seconds and need no job of their own. The list is empty if kernels are not compiled or
         the cache is not writable; each job then compiles its own kernels.
         """
-        if wildcards.group == CLOSED or os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
             return []
         try:
             check_target(cache_folder() / "compiled" / "any")
         except OSError:
             return []
-        methods = methods_run_by(wildcards.group)
-        return [kernels_file(method.name) for method in methods if method.numerical]
+        named = {part.kind.method for part in self.missing(wildcards.what)} - {SURFACE}
+        methods = {method.name for name in named for method in methods_run_by(name) if method.numerical}
+        return sorted(map(kernels_file, methods))
 
     def _announce(self) -> None:
         """Print the expected time of missing curves, for each scene that takes long."""
@@ -210,20 +192,14 @@ class Plan:
                 print(f"{name}: {count} curves to solve, {about}", file=sys.stderr, flush=True)
 
 
-def missing(what: str, names: Sequence[str], curves: Callable[[str], Curves]) -> dict[str, list[Part]]:
-    """Return the curves that the store lacks, grouped by the kernels that they need.
-
-    `what` is ALL for the named scenes, or SCENE~PRODUCT for one product.
-    """
+def missing(what: str, names: Sequence[str], curves: Callable[[str], Curves]) -> list[Part]:
+    """Return the curves that the store lacks, of ALL products of the named scenes or of one, SCENE~PRODUCT."""
     if what == ALL:
         wanted = [part for name in names for part in curves(name).parts_for()]
     else:
         name, _, product = what.partition(BETWEEN)
         names, wanted = [name], curves(name).parts_for(products.studies_of(curves(name).scene, product))
-    found: dict[str, list[Part]] = {}
-    for part in curves(names[0]).store.lacking(wanted):
-        found.setdefault(part.kind.group, []).append(part)
-    return found
+    return curves(names[0]).store.lacking(wanted)
 
 
 def kernels_file(method: str) -> str:
@@ -239,18 +215,11 @@ def kernels_file(method: str) -> str:
 
 
 def names_of_scenes(config: Mapping[str, Any]) -> list[str]:
-    """Return the names of the scenes of the configuration, each once.
-
-    Snakemake converts 2024, 0815 and true on its command line, so that such names must be quoted.
-    """
+    """Return the names of the scenes of the configuration, each once; Snakemake reads 2024 as a number."""
     with ending_in_one_sentence():
         for key in config:
             checked_word("a key of --config", key, CONFIG_KEYS)
-        given = config.get("scenes")
-        if not isinstance(given, str) or not given.strip():
-            quoted = "quote names that are numbers, as in --config \"scenes='2024'\""
-            raise ValueError(f"scenes must be names of scenes with commas between, got {shown(given)}: {quoted}")
-        return list(dict.fromkeys(name.strip() for name in given.split(",")))
+        return list(dict.fromkeys(name.strip() for name in str(config["scenes"]).split(",")))
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from weier.scene.case import Case
 from weier.scene.cases import Scene
 from weier.scene.figure import BY_DEFAULT, Figure, Grouping
 from weier.scene.file import load, load_by_name
-from weier.scene.mistakes import Mistake, SceneError
+from weier.scene.yaml import Mistake, SceneError
 
 __all__ = [
     "BY_DEFAULT",

@@ -43,20 +43,13 @@ class Case:
 
     parameters : D, gamma, m, and phases or seed; or those of a trace, as `trace_parameters` gives them
     methods, settings : names of methods, and the settings of each
-    surface : the profile itself, unless it is made from the parameters
+    surface : the profile itself, unless it is made from the parameters, since heights may not come from a file
     """
 
     parameters: Mapping[str, Any]
     methods: tuple[str, ...]
     settings: Mapping[str, Mapping[str, Any]]
     surface: Waves | None = None
-
-    @classmethod
-    def from_surface(
-        cls, surface: Waves, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]
-    ) -> Case:
-        """Return the case of a surface, which the case keeps, since measured heights may not come from a file."""
-        return cls(surface.parameters, methods, settings, surface)
 
     @cached_property
     def surface_key(self) -> np.uint64:
@@ -81,13 +74,6 @@ class Case:
         elif not isinstance(phases, list | tuple):
             phases = number("phases", phases)
         return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
-
-    def seconds(self, method: str, loads: Array) -> float:
-        """Return expected seconds of one of its methods on one core; 0 where the method does not apply."""
-        found = find_method(method)
-        if not found.takes(self.profile):
-            return 0.0
-        return found.seconds(self.profile, loads, **self.settings.get(method, {}))
 
     def check(self) -> None:
         """Refuse a series too fine for a method, and settings that do not apply to it."""
@@ -129,12 +115,7 @@ def trace_files(file: str, folder: Path) -> list[str]:
     """Return the files that a name in a scene refers to: one file, or the files of a folder or a pattern.
 
     The files of a folder, or of a pattern as `lab/*.csv`, are in natural order, 2 before 10, without hidden ones and
-    backup copies of editors, unless the pattern names them.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is none.
+    backup copies of editors, unless the pattern names them. FileNotFoundError is raised if there is none.
     """
     if (folder / file).is_dir():
         file = f"{file.rstrip('/')}/*"

@@ -15,9 +15,8 @@ from weier.methods.registry import default_method, find_method
 from weier.methods.settings import TOLERANCE, checked_settings, with_tolerance
 from weier.scene.case import trace_parameters
 from weier.scene.cases import NAME, Scene
-from weier.scene.mistakes import Keys, Mistake, SceneError, at, one_line, scene_error
 from weier.scene.study import CaseProduct, Study, check_number
-from weier.scene.yaml import number, read_yaml
+from weier.scene.yaml import Keys, Mistake, SceneError, at, number, one_line, read_yaml, scene_error
 from weier.surface.profile import PARAMETERS
 from weier.units import PASCAL
 
@@ -31,19 +30,8 @@ Settings = Mapping[str, Mapping[str, Any]]
 def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     """Read a scene file and check its cases; `weier.load_scene` checks its figures and claims, too.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    checks : sequence of callable, optional
-        Further checks of a scene whose studies are valid.
-
-    Raises
-    ------
-    SceneError
-        If the file is missing, is not YAML, has unknown keys, or values out of range. The error lists all of these
-        mistakes; without any, the first one of files, settings and cases; and without any, those of the checks.
-
+    SceneError is raised if the file is missing, is not YAML, has unknown keys, or values out of range. It lists all
+    of these mistakes; without any, the first one of files, settings and cases; and without any, those of the checks.
     """
     # Pydantic and the models take longer to import than the rest of a scene, and Python calls need neither.
     from pydantic import ValidationError

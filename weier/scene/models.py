@@ -1,12 +1,11 @@
 """The keys of scene files as models: types, limits and descriptions.
 
-The JSON schema for editors and the tables of keys follow from them: a new key is one field here, and
-`python -m weier.scene` writes `config/scene.schema.json` and the table of `config/README.md` again.
+The tables of keys follow from them: a new key is one field here, and `python -m weier.scene` writes the table of
+`config/README.md` again.
 """
 
 from __future__ import annotations
 
-import inspect
 import json
 import math
 from collections.abc import Iterator, Sequence
@@ -17,10 +16,9 @@ import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
     PlainValidator,
     ValidationError,
     ValidationInfo,
@@ -29,18 +27,16 @@ from pydantic import (
     model_validator,
 )
 from pydantic_core import ErrorDetails
-from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
 from weier.checks import shown, suggestion
 from weier.data.bodies import Bodies
-from weier.methods.registry import find_method, names
+from weier.methods.registry import find_method
 from weier.scene.case import Case, random_parameters
 from weier.scene.cases import NAME
 from weier.scene.figure import Figure, Grouping
-from weier.scene.mistakes import Keys, Mistake
 from weier.scene.study import MAX_CASES, check_value
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
-from weier.scene.yaml import number, number_or_word
+from weier.scene.yaml import Keys, Mistake, number, number_or_word
 from weier.surface.loads import check_pascal, check_range, listed_loads
 from weier.units import NORMALISED_PRESSURE, PASCAL, factor, mixed
 from weier.units import NUMBER as QUANTITY
@@ -66,17 +62,6 @@ class Section(BaseModel):
             of.alias or name: f"{of.description}{' Required.' if of.is_required() else ''}"
             for name, of in cls.model_fields.items()
         }
-
-
-class OneOrMore:
-    """A list, which may be written as a single entry; duplicates count once."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return no_info_before_validator_function(as_list, handler(source))
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        listed = handler(schema)
-        return {"anyOf": [listed["items"], listed]}
 
 
 def as_list(value: Any) -> Any:
@@ -144,29 +129,26 @@ def _load(value: Any) -> list[tuple[float, str]]:
 
 
 # Kinds of values
-Number = Annotated[Any, PlainValidator(_number, json_schema_input_type=float | str)]
+OneOrMore = BeforeValidator(as_list)
+Number = Annotated[Any, PlainValidator(_number)]
 TraceNumber = Annotated[Number, AfterValidator(partial(number, "this"))]
 NumberOrWord = Annotated[Number, AfterValidator(number_or_word)]
-NumberOrRange = Annotated[Any, PlainValidator(_number_or_range, json_schema_input_type=float | str | Range)]
-Phase = Annotated[Any, PlainValidator(_phase, json_schema_input_type=float | str | list[float] | Range)]
-Load = Annotated[Any, PlainValidator(_load, json_schema_input_type=float | str | LoadRange)]
+NumberOrRange = Annotated[Any, PlainValidator(_number_or_range)]
+Phase = Annotated[Any, PlainValidator(_phase)]
+Load = Annotated[Any, PlainValidator(_load)]
 Whole = Annotated[int, Field(strict=False)]  # accepts 1e4
 Position = Annotated[Whole, Field(ge=0)]
 Line = Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]*$", max_length=200)]
 Name = Annotated[str, Field(pattern=f"^{NAME}$")]
 FileName = Annotated[str, Field(min_length=1)]
 Parameter = Literal["method", "D", "gamma", "m", "phases", "seed", "trace"]
-MethodName = Annotated[
-    str,
-    AfterValidator(lambda name: find_method(name).name),
-    Field(json_schema_extra=lambda schema: schema.update(enum=names())),
-]
+MethodName = Annotated[str, AfterValidator(lambda name: find_method(name).name)]
 Names = Annotated[list[Name], Field(min_length=1)]
 Methods = Annotated[list[MethodName], Field(min_length=1), AfterValidator(distinct)]
-Numbers = Annotated[list[NumberOrRange], Field(min_length=1), OneOrMore()]
-Phases = Annotated[list[Phase], Field(min_length=1), OneOrMore()]
-Parameters = Annotated[list[Parameter], Field(min_length=1), AfterValidator(distinct), OneOrMore()]
-FileNames = Annotated[list[FileName], Field(min_length=1), AfterValidator(distinct), OneOrMore()]
+Numbers = Annotated[list[NumberOrRange], Field(min_length=1), OneOrMore]
+Phases = Annotated[list[Phase], Field(min_length=1), OneOrMore]
+Parameters = Annotated[list[Parameter], Field(min_length=1), AfterValidator(distinct), OneOrMore]
+FileNames = Annotated[list[FileName], Field(min_length=1), AfterValidator(distinct), OneOrMore]
 Settings = dict[MethodName, dict[str, Any]]
 
 
@@ -200,12 +182,8 @@ if TYPE_CHECKING:
     Loads = Pressures
     Interface = Bodies
 else:
-    Loads = Annotated[list[Load], Field(min_length=1), AfterValidator(_pressures), OneOrMore()]
-    Interface = Annotated[
-        dict[str, Any],
-        Field(json_schema_extra={"propertyNames": {"enum": [*inspect.signature(Bodies).parameters]}}),
-        AfterValidator(Bodies.from_texts),
-    ]
+    Loads = Annotated[list[Load], Field(min_length=1), AfterValidator(_pressures), OneOrMore]
+    Interface = Annotated[dict[str, Any], AfterValidator(Bodies.from_texts)]
 
 
 def _each_value(parts: list[Any], info: ValidationInfo) -> list[Any]:
@@ -243,7 +221,7 @@ def _field(key: TraceKey) -> Any:
     kinds = {float: TraceNumber, object: NumberOrWord, int: Position, str: Line}
     one: Any = Literal[key.kind] if isinstance(key.kind, tuple) else kinds[key.kind]
     if key.several:
-        one = Annotated[list[one], Field(min_length=1), OneOrMore()]
+        one = Annotated[list[one], Field(min_length=1), OneOrMore]
     return one, Field(ABSENT, description=key.says)
 
 
@@ -288,7 +266,6 @@ class RandomKeys(Section):
 class StudyKeys(Section):
     """A set of profiles or measured heights, and how they are solved."""
 
-    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [key]} for key in SURFACES]})
     product: ProfileKeys = Field(ABSENT, description="Profiles: all combinations of the given values.")
     cases: Annotated[list[ProfileKeys], Field(min_length=1)] = Field(ABSENT, description="Profiles, one by one.")
     trace: TraceKeys = Field(ABSENT, description="Measured heights.")

@@ -1,19 +1,22 @@
-"""YAML 1.2 as plain values: no objects, no duplicate keys."""
+"""YAML 1.2 as plain values, no objects and no duplicate keys; and mistakes in such a file, with their lines."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, StringMark, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
-from weier.checks import checked_number
+from weier.checks import MAX_SHOWN, checked_number
 from weier.units import NONE, parsed
 
 MAX_DEPTH = 50  # A scene has ten levels; deeper nesting would exceed Python's recursion limit.
+Keys = tuple[str | int, ...]
 
 
 class Document(NamedTuple):
@@ -22,7 +25,7 @@ class Document(NamedTuple):
     values: Any
     root: Node | None
 
-    def line(self, keys: Sequence[str | int]) -> int:
+    def line(self, keys: Keys) -> int:
         """Return the line of the value at these keys, or of the last key that exists; the first line is 1."""
         node, mark = self.root, self.root.start_mark if self.root else None
         for key in keys:
@@ -72,3 +75,45 @@ def _child(node: Node | None, key: str | int) -> tuple[StringMark, Node] | None:
         return node.value[key].start_mark, node.value[key]
     pairs = node.value if isinstance(node, MappingNode) else []
     return {str(name.value): (name.start_mark, value) for name, value in pairs}.get(str(key))
+
+
+class SceneError(ValueError):
+    """A scene file that cannot be run: the message names the file, and the line and the key of each mistake."""
+
+
+class Mistake(Exception):  # noqa: N818
+    """A mistake in words, at the place of these keys."""
+
+    def __init__(self, keys: Keys, text: str) -> None:
+        super().__init__(keys, text)
+        self.keys, self.text = keys, text
+
+
+@contextmanager
+def at(*keys: str | int) -> Iterator[None]:
+    """Raise a ValueError or OSError as a mistake at the place of these keys."""
+    try:
+        yield
+    except TimeoutError:  # the caller's time limit
+        raise
+    except (OSError, ValueError) as error:
+        raise Mistake(keys, str(error)) from None
+
+
+def scene_error(path: Path, document: Document, mistakes: Iterable[Mistake]) -> SceneError:
+    """Return all mistakes as one error, in the order of their lines; several are listed one per line."""
+    ordered = sorted((document.line(one.keys), _described(one)) for one in mistakes)
+    listed = [f"line {line}: {text}" for line, text in ordered]
+    if len(ordered) == 1:
+        return SceneError(f"{path}, {listed[0]}")
+    return SceneError("\n  ".join([f"{path} has {len(ordered)} mistakes:", *listed]))
+
+
+def _described(mistake: Mistake) -> str:
+    where = ".".join(one_line(key)[:MAX_SHOWN] for key in mistake.keys)
+    return f"{where}: {one_line(mistake.text)}" if where else one_line(mistake.text)
+
+
+def one_line(text: object) -> str:
+    """Return a text with its line breaks removed."""
+    return " ".join(str(text).split())
