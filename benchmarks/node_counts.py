@@ -93,7 +93,7 @@ def main(series: int) -> list[str]:
     fit, rows = fitted(matrix, count), []
     for digits, needs in zip(DIGITS, count, strict=True):
         cells = [str(digits)]
-        for factors in (node_factors(10.0**-digits), node_factors(10.0**-digits, fit.tolist())):
+        for factors in (node_factors(10.0**-digits), node_factors(10.0**-digits, tuple(map(tuple, fit)))):
             nodes = np.concatenate([given(*each, factors) for each in found])
             cells += [f"{np.mean(nodes >= needs):.1%}", f"{nodes.sum() / needs.sum():.2f}"]
         rows.append(cells)

@@ -26,10 +26,8 @@ def moves_of(psi, r, gap, dual):
     coefficients = [np.append(p.convert(kind=Chebyshev).coef, np.zeros(2)) for p in psi]
     first, b = np.append(0, np.cumsum([c.size for c in coefficients])), np.concatenate(coefficients)
     kind, extent = KINDS[dual], (first, np.array(r), np.array(gap))
-    _, outward, move, _, merging, singular, _ = edge_moves(
-        *extent, np.ones(b.size), b, kind.right_sign, kind.curvature_k_0
-    )
-    return outward, merging, move, singular
+    _, sides, (_, merging), move, _, _ = edge_moves(*extent, np.ones(b.size), b, kind.right_sign, kind.curvature_k_0)
+    return sides[:, :2], merging, move, sides[:, 2]
 
 
 def psi_of_hertz(r, a, shift, curvature):
@@ -220,9 +218,9 @@ def test_contacts_merge_if_the_moves_of_their_edges_leave_no_gap_and_vanish_with
     first, gap, force = np.array([0, 1, 2]), np.array([0.1, 3.0]), np.ones(2)
     both, closed = np.array([[0.0, 0.051], [0.051, 0.0]]), np.zeros(2, bool)
     for outward, merges in ((both, True), (both * [[1, 1], [0, 1]], False), (both * [[1, 1], [-1, 1]], False)):
-        vanishing, merging, changes = _changes(first, gap, force, outward, closed)
+        (vanishing, merging), changes = _changes(first, gap, force, outward, closed)
         assert merging.tolist() == [merges, False]
         assert changes == merges
         assert not np.any(vanishing)
-    vanishing, merging, changes = _changes(first, gap, np.array([1.0, -1.0]), both, np.array([True, False]))
+    (vanishing, merging), changes = _changes(first, gap, np.array([1.0, -1.0]), both, np.array([True, False]))
     assert (vanishing.tolist(), merging.tolist(), changes) == ([False, True], [False, False], True)

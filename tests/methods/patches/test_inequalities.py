@@ -17,7 +17,7 @@ from weier.methods.patches.given_edges import force_field
 from weier.methods.patches.inequalities import find_missing, find_negative_intervals, gap_minima, minima_outside
 from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import MINIMUM, ContactState, end_sums, make_segments
-from weier.methods.patches.surface import make_series, nearest_crests
+from weier.methods.patches.surface import evaluate_at, make_series, nearest_crests
 
 
 def state_of(phi, period, r, dual=False, nodes=12):
@@ -212,7 +212,12 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual):
 
     def residual(x):
         total = force_field(step.punches, step.forces.force, x)
-        return (0.0 if dual else step.forces.plane) + total - problem.forcing(*nearest_crests(series, x))
+        return (
+            (0.0 if dual else step.forces.plane)
+            + total
+            - problem.highest
+            - evaluate_at(series.local, *nearest_crests(series, x), 0)
+        )
 
     edges, minima = find_missing(problem, step, 0.0, 0.0, 0.0)
     assert len(edges) == np.count_nonzero(minima["value"] < 0) > 0

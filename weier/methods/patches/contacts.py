@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
-from weier.kernels.jit import kernel
 from weier.methods.patches.given_edges import Forces, Punches, expansion
 from weier.methods.patches.inequalities import minima_outside
 from weier.methods.patches.kind import (
@@ -85,8 +84,8 @@ class Contacts:
 
     def close(self, force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
         """Return the forces that carry the load with a uniform displacement, and the plane."""
-        closed, shift = _close(force, even, load, period)
-        return closed, OFFSET * load * period - shift
+        shift = (load * period - float(force.sum())) / float(even.sum())
+        return force + shift * even, OFFSET * load * period - shift
 
     def invert_punches(self, half_width: Array, middle: Array, period: float) -> Inverse:
         """Return the inverse of the influence of contacts as flat punches."""
@@ -196,18 +195,6 @@ class Contacts:
         """Return strengths of at most sqrt(8) F/(pi a^(3/2))."""
         most = np.sqrt(8.0) / np.pi * np.maximum(integral, 1e-300) / half_width**1.5
         return np.asarray(np.minimum(strength, most[:, None]))
-
-
-@kernel
-def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
-    """Return the forces of sum p L, and the multiple of `even` that has been added."""
-    total, of_even, closed = 0.0, 0.0, np.empty(force.size)
-    for i in range(force.size):
-        total, of_even = total + force[i], of_even + even[i]
-    shift = (load * period - total) / of_even
-    for i in range(force.size):
-        closed[i] = force[i] + shift * even[i]
-    return closed, shift
 
 
 CONTACTS = Contacts()

@@ -36,7 +36,7 @@ from weier.methods.patches.segments import (
 from weier.methods.patches.surface import (
     CosineSeries,
     Sides,
-    evaluate_at,
+    evaluate_on,
     from_crests,
     in_order,
 )
@@ -51,16 +51,18 @@ SETTLED_MOVE = 0.1
 @kernel
 def edge_moves(
     first_node: Indices, r: Array, gap: Array, force: Array, b: Array, right_sign: float, curvature_k_0: float
-) -> tuple[Array, Sides, float, Flags, Flags, Array, bool]:
+) -> tuple[Array, Sides, Flags, float, float, bool]:
     """Return the fields of `NewtonStep` from `a` on, from forces and their expansion b.
+
+    The moves outward are the first two columns of an array, and `singular` the third; vanishing and merging are rows.
 
     All values at the ends have the sign of the left end, where a gap opens. A contact narrower than the adjacent gaps
     is Hertzian. At an edge of a narrow gap, the value for the gap replaces the Hertzian one, and the opposite edge
     determines both Hertzian values. A gap narrower than both contacts grows by the mean of its ends.
     """
     n, a = r.size, regular_part(first_node, b)
-    psi, phi, slope, singular = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty(n)
-    outward, closed, move = np.empty((n, 2)), np.empty(n, np.bool_), 0.0
+    psi, phi, slope, outward = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 3))
+    closed, move, largest = np.empty(n, np.bool_), 0.0, 0.0
     for j in range(n):
         for side in range(2):
             at_end, regular, inward, sign = 0.0, 0.0, 0.0, 1.0 if side == 0 else right_sign
@@ -71,7 +73,8 @@ def edge_moves(
                 inward -= sign * k * k * b[q]
                 sign = -sign if side == 0 else sign
             psi[j, side], phi[j, side], slope[j, side] = at_end, regular, inward
-        singular[j] = 2 * np.pi * r[j] * max(abs(psi[j, 0]), abs(psi[j, 1]))
+        outward[j, 2] = 2 * np.pi * r[j] * max(abs(psi[j, 0]), abs(psi[j, 1]))
+        largest = max(largest, outward[j, 2])
     for j in range(n):  # contacts in wide gaps are Hertzian
         first, last = (0 if gap[j - 1] >= 2 * r[j] else 1), (1 if gap[j] >= 2 * r[j] else 0)
         # Overlap moves an edge outward even if phi differs from Hertz's.
@@ -94,8 +97,8 @@ def edge_moves(
     for j in range(n):
         narrowest = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
         move = max(move, max(abs(outward[j, 0]), abs(outward[j, 1])) / narrowest)
-    vanishing, merging, changes = _changes(first_node, gap, force, outward, closed)
-    return a, outward, move, vanishing, merging, singular, move < SETTLED_MOVE and not changes
+    changes, is_changed = _changes(first_node, gap, force, outward, closed)
+    return a, outward, changes, move, largest, move < SETTLED_MOVE and not is_changed
 
 
 @kernel
@@ -133,10 +136,6 @@ class ContactProblem(NamedTuple):
         """The forcing where the series has its maximum."""
         return self.kind.largest_forcing(self.series.maximum, self.load)
 
-    def forcing(self, crest: Indices, y: Array) -> Array:
-        """Return the height minus its maximum, or the tension of full contact, at distances from crests."""
-        return np.asarray(evaluate_at(self.series.local, crest, y, 0) + self.highest)
-
 
 class Iterate(NamedTuple):
     """Contacts with centres in [0, L), and initial forces of a step.
@@ -153,10 +152,11 @@ class NewtonStep(NamedTuple):
 
     b, a : coefficients of psi in T_k, of its regular part in U_k
     outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
-    move : the largest move of an edge over the half-width of its contact or an adjacent gap, if that is smaller
+    singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
     vanishing : contacts without force
     merging : contacts whose gap on the right vanishes, or has a negative squared width
-    singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
+    move : the largest move of an edge over the half-width of its contact or an adjacent gap, if that is smaller
+    largest : the largest of `singular`
     settled : whether the iteration has begun to converge for all contacts; none vanishes or merges
     """
 
@@ -165,10 +165,11 @@ class NewtonStep(NamedTuple):
     b: Array
     a: Array
     outward: Sides
-    move: float
+    singular: Array
     vanishing: Flags
     merging: Flags
-    singular: Array
+    move: float
+    largest: float
     settled: bool
 
 
@@ -186,20 +187,21 @@ def make_guess(problem: ContactProblem, segments: Segments, tolerance: float) ->
 def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> NewtonStep:
     """Solve for the pressure on given contacts to a residual, in g_0, and compute the moves of their edges."""
     punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
-    crest, y = np.repeat(segments.crest, segments.node_count), punches.at_nodes(segments.centre) + punches.offset
-    forces = solve_forces_on_contacts(punches, problem.forcing(crest, y), problem.load, guess.force, residual)
+    nodes = segments.crest, segments.centre, segments.first_node, punches.offset
+    forcing = evaluate_on(problem.series.local, *nodes) + problem.highest
+    forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
     b, extent = expansion(punches, forces.force), (segments.first_node, segments.half_width, punches.gap)
-    changes = edge_moves(*extent, forces.force, b, kind.right_sign, kind.curvature_k_0)
-    return NewtonStep(punches, forces, b, *changes)
+    numbers = kind.right_sign, kind.curvature_k_0
+    a, sides, changes, *sizes = edge_moves(*extent, forces.force, b, *numbers)
+    return NewtonStep(punches, forces, b, a, sides[:, :2], sides[:, 2], *changes, *sizes)
 
 
 @kernel
-def _changes(
-    first_node: Indices, gap: Array, force: Array, outward: Sides, closed: Flags
-) -> tuple[Flags, Flags, bool]:
+def _changes(first_node: Indices, gap: Array, force: Array, outward: Sides, closed: Flags) -> tuple[Flags, bool]:
     """Return which contacts vanish without force, which merge over the gap on their right, and whether any do."""
-    n, strongest, most, changes = gap.size, 0, -np.inf, False
-    vanishing, merging = np.empty(n, np.bool_), np.empty(n, np.bool_)
+    n, strongest, most, is_changed = gap.size, 0, -np.inf, False
+    changes = np.empty((2, n), np.bool_)
+    vanishing, merging = changes
     for j in range(n):
         carried = 0.0
         for i in range(first_node[j], first_node[j + 1]):
@@ -212,8 +214,8 @@ def _changes(
         k = (j + 1) % n
         is_closed = closed[j] or gap[j] <= outward[j, 1] + outward[k, 0]
         merging[j] = is_closed and not (vanishing[j] or vanishing[k])
-        changes = changes or vanishing[j] or merging[j]
-    return vanishing, merging, changes
+        is_changed = is_changed or vanishing[j] or merging[j]
+    return changes, is_changed
 
 
 def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node_count: Indices) -> Iterate:

@@ -88,7 +88,7 @@ def make_punches(segments: Segments, period: float, kind: Kind, most: int | None
 
     ConvergenceError is raised if two of them overlap.
     """
-    gap, offset, left, diagonal, is_apart = place_nodes(
+    gap, (offset, left, diagonal), is_apart = place_nodes(
         segments.first_node, *segments.extent, period, kind.shift, kind.is_slope
     )
     if not is_apart:
@@ -118,14 +118,14 @@ def _equations(
     more: float,
     shift: int,
     hankel_sign: float,
-) -> tuple[Table, Table]:
-    """Return the upper triangle of the influence of all forces at all nodes, and both right sides.
+) -> Table:
+    """Return the upper triangle of the influence of all forces at all nodes and, in two rows, both right sides.
 
     table : result of `self_influence_tables`
     dipoles, factor, more : kind and factor of the kernel between nodes, and constant added to all influences
     """
-    n, at, right = offset.size, 0, np.empty((2, offset.size))
-    influence, matrix = np.empty(n * (n + 1) // 2), np.zeros((n, n))
+    n, at = offset.size, 0
+    influence, matrix = np.empty(n * (n + 1) // 2), np.zeros((n + 2, n))
     for i in range(first.size - 1):
         for a in range(first[i], first[i + 1]):
             for j in range(i, first.size - 1):
@@ -137,11 +137,11 @@ def _equations(
     add_self_influence_blocks(first, left, diagonal, table, shift, hankel_sign, matrix)
     at = 0
     for a in range(n):
-        right[0, a], right[1, a] = forcing[a], 1.0
+        matrix[n, a], matrix[n + 1, a] = forcing[a], 1.0
         for b in range(a, n):
             matrix[a, b] = factor * (matrix[a, b] + influence[at]) + more
             at += 1
-    return matrix, right
+    return matrix
 
 
 def displacement(punches: Punches, force: Array) -> Array:
@@ -191,7 +191,7 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
 def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
     """Solve by Cholesky factorisation; a constant makes the matrix of contacts positive definite."""
     kind, segments, period = punches.kind, punches.segments, punches.period
-    matrix, right = _equations(
+    equations = _equations(
         segments.first_node,
         segments.origin,
         segments.centre,
@@ -207,7 +207,8 @@ def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
         kind.shift,
         kind.hankel_sign,
     )
-    _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, lower=1, overwrite_a=1, overwrite_b=1)
+    matrix, right = equations[:-2].T, equations[-2:].T
+    _, found, failed = scipy.linalg.lapack.dposv(matrix, right, lower=1, overwrite_a=1, overwrite_b=1)
     if failed:
         raise ConvergenceError("two contacts or gaps are closer to each other than floating point resolves")
     even = found[:, 1]

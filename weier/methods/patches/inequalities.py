@@ -366,7 +366,7 @@ def find_missing(
         return np.asarray(highest + total - forcing) - margin
 
     limit = tolerance + margin
-    is_regular = float(step.singular.max()) < opening
+    is_regular = step.largest < opening
     found = _minima_between(kind, punches.segments, step.a, is_regular, series, residual, limit, margin)
     if found.size == 0:
         return np.empty((0, 2)), found

@@ -60,14 +60,14 @@ def wave_table(N: int, derivative: int) -> Array:
 @kernel
 def place_nodes(
     first_node: Indices, origin: Array, centre: Array, r: Array, period: float, shift: int, is_slope: bool
-) -> tuple[Array, Array, Array, Array, bool]:
+) -> tuple[Array, Table, bool]:
     """Return the gap on the right of each segment, the nodes, and whether no two segments overlap.
 
-    The nodes have their offset from the middle of the segment, `left`, and the entry on the diagonal of the
+    The nodes have rows: offset from the middle of the segment, `left`, and the entry on the diagonal of the
     self-influence in addition to X: for gaps, the rest of 1/sin^2 without its pole, 1/3, less 1/(4 sin^2 theta).
     """
-    nodes = first_node[-1]
-    offset, left, diagonal = np.empty(nodes), np.empty(nodes), np.empty(nodes)
+    nodes = np.empty((3, first_node[-1]))
+    offset, left, diagonal = nodes
     gap, is_apart = distances_between(origin, centre, r, period), True
     for j in range(r.size):
         is_apart = is_apart and r[j] > 0 and gap[j] > 0
@@ -80,7 +80,7 @@ def place_nodes(
                 diagonal[q] = 1 / 3 - (0.5 * left[q] / sine) ** 2
             else:
                 left[q], diagonal[q] = 1.0, np.log(2 * np.pi / period * r[j] * sine)
-    return gap, offset, left, diagonal, is_apart
+    return gap, nodes, is_apart
 
 
 def _cosine_sums(N: int, power: int) -> Array:

@@ -7,7 +7,7 @@ strengths and the number of nodes. A `ContactState` contains the segments at one
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -266,7 +266,10 @@ def _round_up(count: float) -> float:
     return min(np.ceil(count / step) * step, 1.0 * MAX_NODES)
 
 
-def node_factors(tolerance: float, factors: Sequence[Sequence[float]] = NODE_FACTORS) -> tuple[float, float, float]:
+@lru_cache
+def node_factors(
+    tolerance: float, factors: tuple[tuple[float, float], ...] = NODE_FACTORS
+) -> tuple[float, float, float]:
     """Return K_0, K_1 and K_2 of K_0 + K_1 k_f r + K_2/ln(rho), each linear in the digits of the tolerance."""
     digits = -float(np.log10(tolerance))
     least, per_radian, per_neighbour = (constant + slope * digits for constant, slope in factors)

@@ -207,7 +207,7 @@ def _converged(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     if last_move == np.inf or step.forces.residual >= limits.target:
         return False
     is_settled = step.move > SETTLED_MOVE * last_move  # each error is the square of the previous one
-    return sum((float(step.singular.max()) < limits.target, is_settled, _is_small(step, limits))) > 1
+    return sum((step.largest < limits.target, is_settled, _is_small(step, limits))) > 1
 
 
 def _is_small(step: NewtonStep, limits: Limits) -> bool:
@@ -220,7 +220,7 @@ def _ends(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     move = step.move
     if not (step.settled and _is_small(step, limits) and move < SETTLED_MOVE * last_move):
         return False
-    return max(step.forces.residual, float(step.singular.max()) * move) < limits.target
+    return max(step.forces.residual, step.largest * move) < limits.target
 
 
 @kernel

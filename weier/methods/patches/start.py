@@ -200,7 +200,9 @@ def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
     # A lower bound on the widest contact: all crests are as sharp as can be and share the load equally.
     if 2 * np.sqrt(total / series.crest_curvature.size / series.largest_curvature) > _widest(series):
         return None
-    return _isolated(series, load, CONTACTS, _forces_on_crests(series, total, _widest(series)), False)
+    crests = series.crest_position, series.crest_offset, series.crest_curvature, series.expansion
+    forces = _forces_on_crests(*crests, series.step, series.period, total, _widest(series))
+    return _isolated(series, load, CONTACTS, forces, False)
 
 
 def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
@@ -235,7 +237,7 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
         is_new = True
         while is_new:
             y, half_width, found = settle_edges(
-                singularities, y, half_width, MAX_RESOLVED_ANGLE / series.wavenumber[-1]
+                singularities, y, half_width, MAX_RESOLVED_ANGLE / series.wavenumber[-1], GUESS_TOLERANCE
             )
             places = merge_overlaps(np.stack([origin + y, half_width]), series.period)
             is_new = places.shape[1] < crest.size
@@ -244,7 +246,8 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
             if is_new:
                 half_width = places[1]
                 crest, origin, y = from_crests(series, places[0])
-    nearest = np.diff(origin + y, append=origin[0] + y[0] + series.period).min()
+    x = origin + y
+    nearest = (np.append(x[1:], x[0] + series.period) - x).min()
     # The fields of a contact and of a line force differ by the square of half-width over distance.
     if half_width.max() >= np.sqrt(GUESS_TOLERANCE) * nearest:
         return None
@@ -269,19 +272,22 @@ def _solve(matrix: NDArray[np.float64], right: Array) -> Array:
 
 
 @kernel
-def _forces_on_crests(series: CosineSeries, total: float, widest: float) -> Array:
+def _forces_on_crests(
+    position: Array,
+    offset: Array,
+    curvature: Array,
+    expansion: NDArray[np.float64],
+    step: float,
+    period: float,
+    total: float,
+    widest: float,
+) -> Array:
     """Return the forces of Hertzian contacts on crests, shape (crests,); all 0 if they are not found.
 
     On the crest -kappa x^2/2 - q x^4 the force is F = kappa a^2/4 + 3 q a^4/4. `OFFSET` shifts all displacements and
     the plane alike, since the sum of the forces is given. Forces lift no point by more than 2 ln 2 times their sum:
     crests farther below the plane need not be tried.
     """
-    position, offset, curvature, period = (
-        series.crest_position,
-        series.crest_offset,
-        series.crest_curvature,
-        series.period,
-    )
     n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_ISOLATED
     force, none, crest = np.empty(n), np.zeros(n), np.empty(most, np.int64)
     for k in range(n):
@@ -298,7 +304,7 @@ def _forces_on_crests(series: CosineSeries, total: float, widest: float) -> Arra
         # The displacements by the forces on all crests and the plane add up to the height of each crest.
         for i in range(count):
             k = crest[i]
-            bend, quartic = 0.25 * max(curvature[k], 0.0), -series.expansion[k, 4] / series.step**4
+            bend, quartic = 0.25 * max(curvature[k], 0.0), -expansion[k, 4] / step**4
             root = np.sqrt(max(bend * bend + 3 * quartic * force[k], 1e-300))
             own = 1 + _displacement_of_punch(min(np.sqrt(2 * force[k] / (bend + root)), widest), period)
             for j in range(count):

@@ -175,6 +175,16 @@ def evaluate_at(local: Local, crest: Indices, y: Array, derivative: int) -> Arra
     return value
 
 
+@kernel
+def evaluate_on(local: Local, crest: Indices, centre: Array, first_node: Indices, offset: Array) -> Array:
+    """Return S - max S at nodes of segments, from the crests and centres of these and offsets from the latter."""
+    value = np.empty(offset.size)
+    for j in range(crest.size):
+        for i in range(first_node[j], first_node[j + 1]):
+            value[i] = evaluate_series(local, crest[j], centre[j] + offset[i])[0]
+    return value
+
+
 def nearest_crests(series: CosineSeries, x: Array) -> tuple[Indices, Array]:
     """Return the crests nearest to positions x on the periodic line, and the distances y from them."""
     nearest, y = _nearest_crests(series.crest_position, series.period, x)

@@ -29,18 +29,23 @@ MAX_STEPS, MAX_SETTLED_MOVE = 60, 1e-6
 
 
 def settle_edges(
-    singularities: Callable[[Array, Array], tuple[Sides, Sides]], middle: Array, half_width: Array, most: float
+    singularities: Callable[[Array, Array], tuple[Sides, Sides]],
+    middle: Array,
+    half_width: Array,
+    most: float,
+    enough: float = MAX_SETTLED_MOVE,
 ) -> tuple[Array, Array, Flags]:
     """Return middles and half-widths of segments without interaction by Newton's method, and which settle.
 
     singularities : k_0 and k_1/2 at both edges, up to a common factor, from middles and half-widths
     most : largest distance of an edge from the origin of the middles; segments that pass it are not settled
+    enough : largest move of a settled edge, in half-widths
     """
     c, r, inside = middle, half_width, np.abs(middle) + half_width < most
     for _ in range(MAX_STEPS):
         singular, strength = singularities(c, r)
         move = singular / np.maximum(np.abs(strength), 1e-300)  # the move is in half-widths
-        settled = inside & np.all((strength > 0) & (np.abs(move) < MAX_SETTLED_MOVE), axis=1)
+        settled = inside & np.all((strength > 0) & (np.abs(move) < enough), axis=1)
         growth = np.clip(1 + move.sum(axis=1), 1 / MAX_SQUARE, MAX_SQUARE)
         c, r = c + np.clip(0.5 * (move[:, 1] - move[:, 0]), -1, 1) * r, np.sqrt(growth) * r
         inside &= np.abs(c) + r < most
