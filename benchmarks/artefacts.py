@@ -140,7 +140,7 @@ def without_power(rounds: int, shortest: float) -> tuple[int, int]:
 
 
 def within_errors(rounds: int, longest: int, ratio: int) -> tuple[float, float, float]:
-    """Return the fraction of lines with a D in (1, 2), and the fractions of these within one and two errors."""
+    """Return the fraction of lines with D in (1, 2), and their fractions within one and two stated errors."""
     random, off = np.random.default_rng(0), list[float]()
     for _, D in product(range(rounds), (1.2, 1.5, 1.8)):
         trace = Trace(power_law(random, 4000, D)[:1000], 5e-3, height_unit="um")

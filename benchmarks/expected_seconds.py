@@ -36,7 +36,7 @@ HEADER = ("method", "settings", "surfaces", "loads", "curves", "seconds", "measu
 
 
 def surfaces(most: int) -> Iterator[tuple[str, Waves]]:
-    """Return series of random phases, infinite ones, too, and self-affine traces with a limited number of waves."""
+    """Yield finite and infinite series of random phases, and self-affine traces, of at most this many waves."""
     for D, gamma in SERIES:
         yield from (
             ("series", Profile(D, gamma, m, random_phases(m))) for m in range(1, 7) if gamma ** (m - 1) <= most

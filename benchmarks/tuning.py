@@ -62,7 +62,7 @@ HEADER = ("module", "number", "cost if halved", "cost if doubled")
 
 
 def copy_package(folder: Path, changes: Mapping[str, Collection[str]], factor: float) -> None:
-    """Copy the package into a folder, with the numbers of these modules of `weier.methods` multiplied."""
+    """Copy the package into a folder and multiply the given numbers in modules of `weier.methods`."""
     shutil.copytree(PACKAGE, folder / "weier", ignore=shutil.ignore_patterns("__pycache__"))
     for module, names in changes.items():
         scale(folder / "weier" / "methods" / f"{module.replace('.', '/')}.py", names, factor)

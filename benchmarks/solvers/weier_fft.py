@@ -32,7 +32,7 @@ def begin(problem: Problem) -> NestedGrids:
 
 
 def begin_default(problem: Problem) -> NestedGrids:
-    """Make the grids for the default, which finds the resistance, too, and removes the staircase."""
+    """Make the grids for the default: with resistance and without staircase."""
     return _begin(problem, is_staircase_removed=True)
 
 

@@ -69,7 +69,7 @@ class Examined(NamedTuple):
 
     @property
     def faults(self) -> list[str]:
-        """What no method should do, in words."""
+        """The faults of a method, in words."""
         found = [f"not {name}".replace("_", " ") for name in CHECKS if self.checks.get(name) is False]
         for bad in (Outcome.unclear_error, Outcome.not_finite):
             found += [bad.name.replace("_", " ")] * bool((self.outcome == bad).any())

@@ -1,6 +1,6 @@
 """Families of hard series, with the variants of methods that are compared on them.
 
-Phases, loads and the settings of boundary elements are drawn at random from several kinds, too.
+Phases, loads and settings of boundary elements are drawn from several kinds as well.
 """
 
 from __future__ import annotations

@@ -107,7 +107,7 @@ def loads_for(
     if targets.ndim != 1 or targets.size == 0:
         raise ValueError(f"{name} must be a number or a list of numbers, got an array of shape {targets.shape}")
     search = _Search(profile, name, scales or {})
-    with converting(lambda curve: None):  # a curve of the search, not of the caller
+    with converting(lambda curve: None):  # drops curves of the search
         found = [search.load(float(value)) for value in targets]
     loads, errors = np.array(found).T
     curve = solve(profile, loads, EXACT.name)
@@ -132,7 +132,7 @@ class _Search:
         self.offset = first_contact(profile) if name == "compliance" else 0.0
         self.least, self.full = math.log(EXACT.least_load), math.log(ABOVE * profile.full_contact_load)
         self.settings = {TOLERANCE: EXACT.settings[TOLERANCE].default}
-        self.known = dict[float, tuple[float, float]]()  # the quantity, and its stated error, by ln p
+        self.known = dict[float, tuple[float, float]]()  # maps ln p to the quantity and its stated error
 
     def load(self, target: float) -> tuple[float, float]:
         """Return the load, and its error, in p_0*."""

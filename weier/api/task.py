@@ -56,7 +56,7 @@ class CurveTask(NamedTuple):
         return float(method.seconds(self.profile, self.loads, **self.settings)) if method.takes(self.profile) else 0.0
 
     def solve(self) -> tuple[Curve, float]:
-        """Return the solution and its seconds without compiling; raises what the method raises."""
+        """Return the solution and its seconds without compiling, or raise the error of the method."""
         method = find_method(self.method)
         method.check_applies(self.profile)
         start = clock()

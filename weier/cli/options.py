@@ -23,7 +23,7 @@ Command = Callable[..., Any]
 Option = Callable[[Command], Command]
 Pressures = tuple[Array, str]  # values in Pa, and the unit given first, or empty
 
-LOADS = "1e-3:4:40"  # From a single contact to full contact of usual profiles.
+LOADS = "1e-3:4:40"  # covers a single contact to full contact for usual profiles
 PLOTTED_LOADS = "1e-3:4:400"  # This many loads resolve the drops of the resistance at births.
 
 
@@ -111,7 +111,7 @@ FORCE = click.option("--force", is_flag=True, help="Overwrite files that exist."
 
 
 def output(name: str, *suffixes: str, required: bool = True) -> Option:
-    """Return an argument for an output file, with one of these suffixes if any are given."""
+    """Return an argument for an output file, limited to the suffixes, if any."""
     return click.argument(name, type=FILE, required=required, callback=writable(*suffixes))
 
 

@@ -45,7 +45,9 @@ class Output:
         self.bodies = call.bodies and call.bodies.at(self.surface)
         given = {"methods": sorted(call.methods), "settings": call.settings}
         bodies = self.bodies and {name: value for name, value in vars(self.bodies).items() if value is not None}
-        surface = getattr(self.surface, "digest", self.surface.parameters)  # a trace may be in a file of another name
+        surface = getattr(
+            self.surface, "digest", self.surface.parameters
+        )  # identifies a trace whatever the name of its file
         parts = {"surface": surface, **given, "bodies": bodies, "code": numerics()}
         self.problem = {name: json.dumps(part, sort_keys=True) for name, part in parts.items()}
         check_target(self.part)

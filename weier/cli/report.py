@@ -1,4 +1,4 @@
-"""Several measured lines under the same pressures, as tables and figures: `weier report`."""
+"""`weier report`: tables and figures of several measured lines under common pressures."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def report(
     """  # noqa: D301 - click wants the character
     if bodies is None or pressures is None:
         raise click.UsageError("a report needs the two bodies, by --si, and the mean pressures, by --pressures")
-    for path in outputs:  # before anything is read
+    for path in outputs:  # is checked before any file is read
         if path.resolve() in {file.resolve() for file in files}:
             raise click.BadParameter(f"{path} is one of FILES: name another output")
         options.check_free(path, force)

@@ -102,7 +102,7 @@ def make(scene_file: Path, store: Path, folder: Path, stamps: Sequence[Path]) ->
 @click.command()
 @click.argument("scenes", nargs=-1, type=FILE, required=True)
 @click.option("--curves", "folder", type=FILE, default=Path("results/curves"), show_default=True, help="Their store.")
-@click.option("--within-errors", is_flag=True, help="Accept differences within the stated errors, too.")
+@click.option("--within-errors", is_flag=True, help="Also accept differences within the stated errors.")
 def adopt(scenes: Sequence[Path], folder: Path, within_errors: bool) -> None:
     """Accept curves of older code, if this code gives the same numbers.
 

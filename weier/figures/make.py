@@ -33,7 +33,7 @@ def _make(curves: Curves, folder: Path, name: str) -> None:
 
         page.write(curves, folder / PAGE)
     else:
-        from weier.pipeline.gather import read_study  # xarray, which claims import late, too
+        from weier.pipeline.gather import read_study  # imports xarray, which takes half a second
 
         figure = curves.scene.figure(name)
         unread = figures.undrawn(figure.draw)

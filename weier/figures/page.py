@@ -77,7 +77,7 @@ def render(data: xr.Dataset, title: str, count: int, interface: Bodies | None = 
     unit = provenance.NORMALISED
     if interface:
         unit = IN_SI.format(unit_of(data["mean_pressure"]), interface.resistance_unit)
-    # Includes only the components in use; all of them would double the file size.
+    # All components would double the file size.
     library = Resources(mode="inline", components=["bokeh", "bokeh-widgets"]).render()
     item = json.dumps(json_item(explorer(data, interface), EXPLORER_ID))
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined)
@@ -151,7 +151,7 @@ def _plot(quantity: str, methods: Sequence[str], sources: Sequence[ColumnDataSou
         look = style.line(method)
         curve: dict[str, Any] = {"x": "mean_pressure", "y": quantity, "source": source}
         curve |= dict.fromkeys(("name", "legend_label"), look["label"])
-        if method in as_points:  # all numerical methods but the most accurate one
+        if method in as_points:  # draws the most accurate numerical method alone as a line
             plot.scatter(**curve, line_color=look["color"], fill_color="white", size=5)
         else:
             dash = [] if look["linestyle"] == "-" else [round(LINE_WIDTH * length) for length in look["linestyle"][1]]

@@ -138,7 +138,7 @@ def column(title: str, names: Sequence[str], height: float = HEIGHT, **options: 
 def column_of_series(
     studies: Sequence[xr.Dataset], title: str, quantity: str, *names: str
 ) -> tuple[Figure, list[tuple[Axes, list[xr.Dataset]]]]:
-    """Return a single-column figure over the load, with a panel for each value of these parameters."""
+    """Return a single-column figure over the load, with a panel for each value of the parameters."""
     solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
     title, series = limit_panels(title, curves.groups(solved, *names), "series")
     figure, panels = column(title, [describe(cases[0], *names) for cases in series])

@@ -1,4 +1,4 @@
-"""The method "auto": curves within a tolerance, by the fewest terms, and the choice of these.
+"""The method "auto": curves within a tolerance by the fewest terms.
 
 If terms of total amplitude G are left out, h lies in [h_k, h_k + 2 G] (docs/closed_forms.md, "Bounds on the terms
 left out"). Half of the tolerance is for these terms, the rest for the solution of the others. R of an infinite series
@@ -91,7 +91,7 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     -----
     The omitted terms have a total amplitude G of at most half the tolerance. Since h lies in [h_k, h_k + 2 G], the
     middle is returned, with the error G. The kept terms are solved by contact patches, whose a-posteriori bound is
-    evaluated on samples, so that the curve of the infinite series has a bound, too. A surface that is kept whole is
+    evaluated on samples, so that the curve of the infinite series also has a bound. A surface that is kept whole is
     solved by boundary elements if their error, which is a theorem at first contact and was never exceeded in tests at
     other loads, meets the tolerance on a grid no finer than the default one. For a tolerance of the resistance all
     terms of a finite series are kept; for an infinite one, further terms are added while it is solved.

@@ -1,12 +1,12 @@
 """The theory of 2000: contact area and pressures by a cascade of pressures from each wave to the next finer one.
 
-docs/cascade.md derives the formulas. One wave under the mean pressure q has the pressures of (10); the next finer
-wave bears each of them as its mean pressure. The fraction F_k of the area on which the pressure of the finest of k
+docs/cascade.md derives the formulas. One wave under the mean pressure q has the pressures of (10); each of them is
+the mean pressure on the next finer wave. The fraction F_k of the area on which the pressure of the finest of k
 waves exceeds a value t follows from the fraction F_1 of the finest wave alone,
 
     F_1(xi) = (2/pi) arcsin sqrt(c (1 - S)),    F_k(xi) = (2/pi) int F_{k-1}(gamma^(1-D) p(y; xi)) dy,
 
-with the load xi of the coarsest of these waves over its full-contact pressure and y = pi x over its half wavelength.
+with the load xi of the coarsest of k waves over its full-contact pressure and y = pi x over its half wavelength.
 Each F_k is a table over ln xi. Pressures are in p_0*.
 """
 

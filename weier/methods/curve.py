@@ -1,4 +1,4 @@
-"""The result of a method: one type for all of them."""
+"""The common result type of all methods."""
 
 from __future__ import annotations
 

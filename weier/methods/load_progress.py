@@ -28,7 +28,7 @@ def count_load() -> None:
 def reporting_to(*listeners: Callable[[], None]) -> Iterator[None]:
     """Within the `with` block, also call these functions after each load; without arguments, call no listener.
 
-    Loads that are solved as part of another load need the latter. An error that a listener raises stops the solver
+    `reporting_to()` wraps loads solved as part of another. An error that a listener raises stops the solver
     between two loads.
     """
     token = _LISTENERS.set((*_LISTENERS.get(), *listeners) if listeners else ())

@@ -23,14 +23,14 @@ NEIGHBOURS = 8  # neighbours on either side of a punch; `python -m benchmarks tu
 # limit on the number of coarsest punches, each conditioned on all previous ones; more than half of this number
 # remain, so that the neighbours of a finer punch are distinct, and their equations fit into the same matrix
 MAX_COARSEST = 4 * NEIGHBOURS
-# offset of all displacements, above 2 ln 2, the most by which a force lifts a point: the matrix is positive definite,
-# and forces of sum 0 are the same
+# added to all displacements to make the matrix positive definite: above 2 ln 2, the largest lift by a unit force;
+# forces of sum 0 do not depend on it
 OFFSET = 2.0
 
 
 @kernel
 def invert_punches(centre: Array, compliance: Array, period: float) -> Inverse:
-    """Return the approximate inverse W' W of the mutual influence of these punches, which are in order.
+    """Return the approximate inverse W' W of the mutual influence of punches in increasing order.
 
     The rows of W are the punches from coarse to fine. With the influence as a covariance, a row is the deviation of
     one displacement from its mean for given displacements of its neighbours among the coarser, over its standard
@@ -59,7 +59,7 @@ def invert_punches(centre: Array, compliance: Array, period: float) -> Inverse:
     factor = np.empty((MAX_COARSEST, MAX_COARSEST))
     for row in range(n):
         here, entries = member[start[row] : start[row + 1]], entry[start[row] : start[row + 1]]
-        known = row if here.size == row + 1 else 0  # The factor of the coarsest grows by a row for each of them.
+        known = row if here.size == row + 1 else 0  # The factor grows by one row per coarsest punch.
         _fill_row(centre, compliance, here, period, known, factor, entries)
     return start, member[: start[n]], entry[: start[n]]
 
@@ -68,7 +68,7 @@ def invert_punches(centre: Array, compliance: Array, period: float) -> Inverse:
 def _fill_row(
     x: Array, compliance: Array, which: Indices, period: float, known: int, factor: Array, entry: Array
 ) -> None:
-    """Compute the last row of the inverse Cholesky factor of the influence of these punches on each other.
+    """Compute the last row of the inverse Cholesky factor of the mutual influence of punches.
 
     The first `known` rows of the factor are given; the others are written.
     """

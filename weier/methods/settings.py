@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from weier.checks import nearest
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, find_method
 
@@ -13,32 +12,18 @@ TOLERANCE = "tolerance"  # the setting that has the same meaning in all methods
 
 
 def check_names(method: Method, settings: Iterable[str]) -> None:
-    """Raise ValueError for unknown settings, naming the method that takes them."""
+    """Raise ValueError for unknown settings, naming the methods that have them."""
     known = method.settings
     for setting in settings:
         if setting not in known:
             choice = f"it takes {', '.join(known)}" if known else "it takes none"
-            raise ValueError(f'method "{method.name}" has no setting {setting!r}: {choice}{_hint(method, setting)}')
-
-
-def _hint(method: Method, setting: str) -> str:
-    """Return the methods that have a setting, or a setting that is spelt alike, as the end of a message."""
-    if found := methods_with(setting):
-        return f"; {setting!r} is a setting of {', '.join(found)}"
-    near = nearest(setting, all_names())
-    if not near or near in method.settings:
-        return f": did you mean {near!r}?" if near else ""
-    return f": did you mean {near!r}, of {', '.join(methods_with(near))}?"
+            owners = f"; {setting!r} is a setting of {', '.join(found)}" if (found := methods_with(setting)) else ""
+            raise ValueError(f'method "{method.name}" has no setting {setting!r}: {choice}{owners}')
 
 
 def methods_with(setting: str) -> list[str]:
     """Return the names of the methods that have a setting of this name."""
     return [f'"{method.name}"' for method in METHODS if setting in method.settings]
-
-
-def all_names() -> list[str]:
-    """Return the names of the settings of all methods."""
-    return [name for method in METHODS for name in method.settings]
 
 
 def checked_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:

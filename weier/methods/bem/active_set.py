@@ -246,7 +246,7 @@ class NestedSolver:
         self.grids = nested_grids(profile, points, max_residual)
         self.grid, self._progress = self.grids[-1], np.zeros(1, PROGRESS)
         self._states = [make_grid_state(grid.height.size, self._progress) for grid in self.grids]
-        self._flat = self.grid._replace(height=np.zeros(points))  # the surface of the tangent problem
+        self._flat = self.grid._replace(height=np.zeros(points))  # has the flat surface of the tangent problem
 
     def solve_discrete(self, load: float, with_tangent: bool, flatness: float = TANGENT_TOLERANCE) -> NodalSolution:
         """Return the solution under a load; `with_tangent`, also its derivative, at a third more cost.

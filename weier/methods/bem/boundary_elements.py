@@ -48,39 +48,27 @@ def curve(
     Parameters
     ----------
     profile : Profile or Trace
-        With a finite number of terms.
+        A surface with a finite number of terms.
     mean_pressure : array_like, shape (loads,)
         Positive and increasing, in p_0*.
     points : int, optional
         Nodes in one period, more than two for each of the finest waves; by default `POINTS_PER_WAVE` for each.
     max_residual : float
-        Largest residual that is accepted, in g_0.
+        Accepted residual, in g_0.
     staircase : "removed" or "kept"
-        Whether the staircase of edges that move from node to node is corrected (docs/bem.md, "The
-        staircase"). Kept, all is as in Section 5.1, with edges on nodes.
-
-    Returns
-    -------
-    Curve
-        With the residual at the nodes, on a freshly applied operator, the pairs of FFTs as `work`, counted by the
-        size of their grid, and the stated errors. The error of the compliance is a bound at first contact, and was
-        never exceeded in tests at other loads. The error of the resistance follows from chords of the concave h(p),
-        and is a bound if the error of the compliance is one.
+        Whether to correct for edges that move from node to node (docs/bem.md, "The staircase"), or to keep the edges
+        on nodes, as in Section 5.1.
 
     Raises
     ------
-    ValueError
-        If the loads are not positive and increasing, or the period has too many waves.
     ConvergenceError
         If a load leaves a larger residual.
 
     Notes
     -----
-    The loads are independent of each other, except that more loads reduce `resistance_error`. The compliance
-    converges approximately as N^-2.
-
-    With the staircase kept, the resistance converges as N^-1: it is the exact derivative of the discrete h(p), a
-    polygon, and the contact edges move by whole nodes.
+    `work` counts pairs of FFTs by the size of their grid. Loads are independent of each other, except that more loads
+    reduce `resistance_error`, which follows from chords. With N nodes the error of h falls about as N^-2. With the
+    staircase kept, R is the exact derivative of the discrete h(p), a polygon, and its error falls as N^-1.
 
     """
     checked_word("staircase", staircase, ("removed", "kept"))

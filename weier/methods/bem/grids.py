@@ -98,7 +98,7 @@ def full_contact_pressure(height: Array, period: float) -> Array:
 def _between(before: float, here: float, after: float, later: float, fraction: float) -> float:
     """Interpolate the pressure at a fraction of the way from `here` to `after`.
 
-    Its square is linear as near an edge, where p = A s^(1/2), and is extrapolated to nodes outside contact.
+    p^2 is interpolated linearly, since p = A s^(1/2) near an edge, and extrapolated to nodes outside contact.
     """
     one = here * here if here > 0 else min(0.0, 2 * after * after - later * later)
     other = after * after if after > 0 else min(0.0, 2 * here * here - before * before)

@@ -54,8 +54,8 @@ def errors(
 ) -> tuple[Array, Array]:
     """Return errors of compliance and resistance of a `curve` over increasing loads, with these residuals.
 
-    Both are exact from full contact on. The compliance is exact at zero load, too; the chords of the concave curve to
-    these two points and to its other loads bound the resistance.
+    Both are exact from full contact on, and the compliance at zero load. The chords of the concave curve to these two
+    points and to its other loads bound the resistance.
     """
     (h, R), full = curve, profile.full_contact_load
     rounding = COMPLIANCE_ROUNDING * profile.total_amplitude

@@ -47,32 +47,17 @@ def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accu
         Nodes on half a wave.
     accuracy : float
         Largest relative error of the compliance due to the tables of all scales, at any load. The error of the mesh
-        is additional: see the notes.
-
-    Returns
-    -------
-    Curve
-        With the residual of the coarsest wave.
+        is additional.
 
     Raises
     ------
-    ValueError
-        If a load or a setting lies outside its range.
     ConvergenceError
-        If a wave does not converge, or a table misses the accuracy: errors add up over about 1/(1 - gamma^(D-2))
-        scales at heavy loads, and over more at light ones. Or if a series of too many terms still differs from the
-        infinite one.
+        If a wave does not converge, a table misses the accuracy (errors add up over 1/(1 - gamma^(D-2)) scales or
+        more), or a series of too many terms still differs from the infinite one.
 
     Notes
     -----
-    The solution at a load does not depend on the other loads.
-
-    The resistance is the exact derivative of the discrete compliance. With more `points` the error of the
-    compliance falls as N^-2 or faster, the error of the resistance as N^-1 to N^-2.7 and at times unevenly: the
-    pressure has kinks where the layer is flattened. With the defaults the compliance is within 5e-6 of the total
-    amplitude and the resistance below p_0* within 1.5e-3 of itself, mostly 3e-6 and 6e-4 (135 series with D from 1.1
-    to 1.9, gamma from 2 to 10, m up to 4); where the resistance vanishes, close to full contact, its relative error
-    reaches a few per cent.
+    The residual is that of the coarsest wave. docs/layer.md, "Error and limits", has the errors of the mesh.
 
     """
     loads = checked_loads(mean_pressure)

@@ -105,7 +105,7 @@ class Scale(NamedTuple):
 
 
 def scale_on(finer: ComplianceTable, model: Model) -> Scale:
-    """Return the next coarser wave on a layer of these waves."""
+    """Return the next coarser wave on a layer of the given waves."""
     amplitude = 1 + math.exp(model.log_height) * finer.amplitude
     # The pressure in the troughs is at least xi - 1, which must flatten the finer waves.
     log_full = float(np.logaddexp(0, model.log_pressure + finer.log_full))

@@ -102,7 +102,7 @@ def lattice(bottom: float, top: float) -> Array:
 
 
 def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
-    """Return rows at the initial positions, refined until the cubics agree with the next midpoints."""
+    """Tabulate at initial positions and bisect cells until the cubics agree with W at all midpoints."""
     rows = waves(first, None)
     left, right = first[:-1], first[1:]
     while rows.position.size <= MAX_ROWS:
@@ -118,7 +118,7 @@ def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
 
 
 def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) -> tuple[Rows, Array]:
-    """Return rows in the middle of these cells, and the relative errors of the table there, of shape (cells,).
+    """Return rows at the middles of cells, and the relative errors of the table there, shape (cells,).
 
     The cubics must agree in slope as well: near a kink the value may agree by chance.
     """

@@ -81,7 +81,7 @@ def midpoints(points: int) -> Mesh:
 
 
 def reference_heights(edge: Array) -> Depth:
-    """Return the reference heights of these edges."""
+    """Return the reference heights of the edges."""
     log_sine, trough = np.minimum(edge, 0.0), np.maximum(edge, 0.0)
     return Depth(log_sine, trough, 2 * np.exp(log_sine) + trough)
 

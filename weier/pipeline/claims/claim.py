@@ -20,7 +20,7 @@ from weier.data.variables import Check
 if TYPE_CHECKING:
     import xarray as xr
 
-Case: TypeAlias = Mapping[str, Any]  # the arrays of a case by the names of variables
+Case: TypeAlias = Mapping[str, Any]  # maps names of variables to arrays
 Cases: TypeAlias = Sequence[Case]
 OPEN_FACTOR = 1.25  # values within this factor of a limit that the paper does not quantify are not decided
 MIN_MEMBERS = 6  # smaller ensembles do not generalise
@@ -77,12 +77,12 @@ def negative(quantity: str) -> Limits:
 
 
 def positive(quantity: str) -> Limits:
-    """Return limits for positive values, in the same way."""
+    """Return limits for positive values, as `negative`."""
     return Limits(0.0, 0.0, -1, "above", 0.0, quantity)
 
 
 def not_negative(quantity: str) -> Limits:
-    """Return limits for values of at least 0, in the same way."""
+    """Return limits for values of at least 0, as `negative`."""
     return positive(quantity)._replace(word="at least")
 
 
@@ -111,8 +111,8 @@ class Ensemble(NamedTuple):
 
     name : the common parameters of its members, in words
     members : the cases of each member
-    complete : whether these are all possible members, so that their number does not matter
-    decides : whether a verdict depends on it; otherwise its number is only reported
+    complete : whether no further members exist, so that few are enough
+    decides : whether a verdict depends on it; otherwise it is only reported
     """
 
     name: str
@@ -175,7 +175,7 @@ class Judgement(NamedTuple):
     statement : the statement of the paper
     outcome : the combined outcome of all findings
     findings : one for each condition and ensemble
-    missing : the data that the studies lack, if it could not be measured
+    missing : missing data, if the claim could not be measured
     """
 
     statement: str

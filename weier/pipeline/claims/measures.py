@@ -338,8 +338,8 @@ def _wave_and_tail(case: Case, wave: Case) -> tuple[Array, float]:
 def spread_over_bounds(case: Case, wave: Case) -> float:
     """Return the largest difference between estimates of the compliance, over the width of its bounds.
 
-    Each estimate lies within these bounds by construction: it has the compliance of the first wave, and adds between
-    0 and g_n for each finer one, while the bounds are 2 G_1 apart.
+    Each estimate lies within the bounds h_1 and h_1 + 2 G_1 by construction: each finer wave adds between 0
+    and g_n to h_1.
     """
     _, tail = _wave_and_tail(case, wave)
     return _largest(np.ptp([curve(case, method) for method in ESTIMATES], axis=0)) / (2 * tail)

@@ -37,12 +37,12 @@ from weier.surface.profile import PARAMETERS
 
 # Limits that quantify words of the paper.
 CLOSE_AGREEMENT = 0.1  # Relative errors below this are not visible in a plot at light loads.
-CLOSE = 0.05  # "Fairly close", "good results" and "relatively small", over the compliance at full contact.
-EXTREMELY_SMALL = 0.02  # "Extremely small", over the compliance at full contact.
+CLOSE = 0.05  # quantifies "fairly close", "good results" and "relatively small", over full contact
+EXTREMELY_SMALL = 0.02  # quantifies "extremely small", over full contact
 DEMELIO_ERROR = 0.30  # relative error of the resistance in the paper: "by as much as"
-LAYER_ERROR = 0.12  # The relative error of the resistance that the paper gives: "about".
+LAYER_ERROR = 0.12  # relative error of the resistance in the paper: "about"
 QUOTED_TOLERANCE = 1.25  # "As much as 30%" and "about 12%" allow up to this factor.
-QUITE_GOOD = 0.1  # "Quite good", over the compliance at full contact; of the resistance, the 30 % given for Demelio.
+QUITE_GOOD = 0.1  # "Quite good" for h, over full contact; for R it means the 30 % given for Demelio.
 PHASE_DIGITS = 11  # Phases that agree in these digits are equal.
 LIGHT_LOAD = 0.01  # p_0*: as p -> 0, every estimate tends to 0, the exact compliance to its value at first contact
 SAME_RATE = 1.1  # The area falls as gamma^(1-D) a term within this factor, which is within the scatter of phases.
@@ -110,7 +110,7 @@ def series(cases: Cases, varied: str) -> list[Ensemble]:
 
 
 def _rows(cases: Cases, varied: str) -> list[Cases]:
-    """Return rows of cases, one per value of a parameter; each row has the phases of a case of the last value."""
+    """Return rows of cases, one case per value of a parameter, that share the phases of their common terms."""
     by_value: dict[float, list[tuple[tuple[float, ...], Case]]] = {}
     for case in cases:
         phases = case["phases"]
@@ -128,7 +128,7 @@ def _rows(cases: Cases, varied: str) -> list[Cases]:
 
 
 def _coarse_and_fine(cases: Cases) -> list[Ensemble]:
-    """Return the phases for the smallest and for the largest gamma: they are the subject, so all are one member."""
+    """Return two ensembles, smallest and largest gamma, each with all phases as one member."""
     groups = sorted(curves.groups(cases, "gamma"), key=lambda group: float(group[0]["gamma"]))
     need(len(groups) > 1, "phases for two values of gamma")
     return [Ensemble(f"gamma = {float(group[0]['gamma']):g}", (group,), True) for group in (groups[0], groups[-1])]
