@@ -28,7 +28,7 @@ def study():
 def test_lines_bands_and_bars_are_medians_percentiles_and_bounds(study):
     area, resistance = message.draw([study], "").axes
     lines = {line.get_label(): line.get_ydata() for line in area.get_lines()}
-    for load in message.LOOKS:
+    for load in message.STYLES:
         np.testing.assert_allclose(lines[f"p = {load:g}, median"], [0.3 * 0.5**m * load for m in TERMS])
         for theory, name in ((persson, "Persson"), (cascade, "theory of 2000")):
             expected = [float(theory.contact_fraction(load, 1.25, 5, m)) for m in TERMS]

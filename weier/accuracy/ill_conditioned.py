@@ -64,10 +64,10 @@ def around(loads: ArrayLike) -> Array:
 def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
     """Return all methods that give compliance and resistance of the profile in affordable time."""
     methods = (method for method in registry.METHODS if method.stiffness)
-    return tuple(by_default(method.name) for method in methods if _meets(method, profile, loads))
+    return tuple(by_default(method.name) for method in methods if _is_affordable(method, profile, loads))
 
 
-def _meets(method: Method, profile: Profile, loads: Array) -> bool:
+def _is_affordable(method: Method, profile: Profile, loads: Array) -> bool:
     try:
         method.check_applies(profile)
     except NotApplicableError:  # refusals are quick and are examined, too

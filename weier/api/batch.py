@@ -99,7 +99,7 @@ def solve_batch(
     def store_part(number: int, curve: CurveTask, solved: Array, solution: Curve) -> None:
         store(number, curve, curve_row(curve._replace(loads=solved), (solution, math.nan)), solved)
 
-    def begun(part: tuple[Array, Curve] | None) -> xr.Dataset | None:
+    def solved_so_far(part: tuple[Array, Curve] | None) -> xr.Dataset | None:
         """Return the solved curves and the solved part of the current one."""
         if part is not None:
             store_part(number, curve, *part)
@@ -115,7 +115,7 @@ def solve_batch(
     total = loads.size * len(to_solve)
     with (
         showing("weier.solve", total, counted(total, "load"), max_seconds, expected) as progress,
-        keeping(begun),
+        keeping(solved_so_far),
     ):
         new = solve_curves(to_solve, workers, progress)
         for number, curve in curves:

@@ -45,7 +45,7 @@ class Call(NamedTuple):
     unit: str = ""
 
     @classmethod
-    def of(
+    def from_options(
         cls,
         surfaces: Sequence[Waves],
         loads: Array,

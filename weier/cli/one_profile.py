@@ -50,7 +50,7 @@ def _call(
         raise click.UsageError("loads are given once, got --pressures and --loads")
     one = surface_of(**surface)
     methods = methods or [name for name in default if find_method(name).takes(one)]
-    return Call.of([one], loads, bodies, pressures, methods, tolerance, settings)
+    return Call.from_options([one], loads, bodies, pressures, methods, tolerance, settings)
 
 
 @click.command(cls=SolvingCommand, params=one_profile_options(LOADS))

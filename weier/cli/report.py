@@ -97,7 +97,7 @@ def report(
     from weier.data import dataset
 
     lines = _lines(files, trace_options)
-    call = Call.of(lines, pressures[0], bodies, pressures, tolerance=tolerance)
+    call = Call.from_options(lines, pressures[0], bodies, pressures, tolerance=tolerance)
     curves, stop = call.solve(workers)
     done = curves["compliance"].notnull().all(("solution_method", "mean_pressure")).values
     all_count, lines = len({line.digest for line in lines}), list(compress(lines, done))

@@ -31,11 +31,11 @@ def between_loads(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]:
     """Return loads and compliances, at the loads and, if the slope is known, between them."""
     if loads.size < 2 or not (np.isfinite(h).any() and np.isfinite(slope).any()):
         return loads, h
-    fine = between(loads)
+    fine = refined_loads(loads)
     return fine, compliance_at(fine, loads, h, slope)
 
 
-def between(loads: Array) -> Array:
+def refined_loads(loads: Array) -> Array:
     """Return the loads and others between them, in equal ratios, shape (PIECES (loads - 1) + 1,)."""
     ratio = (loads[1:] / loads[:-1])[:, None] ** (np.arange(PIECES) / PIECES)
     return np.append((loads[:-1, None] * ratio).ravel(), loads[-1])

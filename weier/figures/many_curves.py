@@ -32,10 +32,10 @@ from weier.surface.profile import PARAMETERS
 from weier.units import unit_of
 
 # styles of bands around medians, of a solid line under dashed ones of its colour, and of bands of stated errors
-BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
-BEHIND: dict[str, Any] = {"facecolor": "0.86", "edgecolor": "0.7", "linewidth": 0.4, "zorder": 1.0}
-BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}
-STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}
+BAND_STYLE: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
+BEHIND_STYLE: dict[str, Any] = {"facecolor": "0.86", "edgecolor": "0.7", "linewidth": 0.4, "zorder": 1.0}
+BELOW_STYLE: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}
+ERROR_STYLE: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}
 # A narrower band of stated errors is hidden by its line: widths over the largest compliance, and over the resistance.
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
 PERCENTILES = 50, 10, 90  # the median and the ends of its band
@@ -179,7 +179,7 @@ def _reduce(same: pd.DataFrame, tables: Sequence[Values], quantity: str) -> tupl
     slope = np.concatenate([own.slope[rows, columns] for own, rows, columns in parts])
     if quantity != COMPLIANCE or loads.size < 2 or not np.isfinite(slope).all():
         return loads, np.percentile(values, PERCENTILES, axis=0)
-    fine = interpolation.between(loads)
+    fine = interpolation.refined_loads(loads)
     pieces = np.array_split(fine, math.ceil(fine.size * len(same) / MAX_VALUES))
     each = (interpolation.compliance_at(piece, loads, values, slope) for piece in pieces)
     reduced = [np.percentile(values, PERCENTILES, axis=0) for values in each]
@@ -224,7 +224,7 @@ def _look(curve: PlottedCurve, drawn: Sequence[PlottedCurve], grouping: Grouping
     own = style.family(len(values))[values.index(curve.first[grouping.colour])]
     if not _by_dash(drawn, grouping):
         return look | own
-    return look | {"color": own["color"]} | (BELOW if look["linestyle"] == "-" else {})
+    return look | {"color": own["color"]} | (BELOW_STYLE if look["linestyle"] == "-" else {})
 
 
 def _draw(axes: Axes, members: Sequence[PlottedCurve], drawn: Sequence[PlottedCurve], grouping: Grouping) -> None:
@@ -236,7 +236,7 @@ def _draw(axes: Axes, members: Sequence[PlottedCurve], drawn: Sequence[PlottedCu
         name = _join(_label(drawn, part, curve.first[part]) for part in (grouping.colour, "method") if part)
         line(axes, name, curve.loads, curve.values, **look | {"label": name})
         if curve.band is not None:
-            band(axes, f"{name}, {BAND_NAME}", curve.loads, *curve.band, color=look["color"], **BAND)
+            band(axes, f"{name}, {BAND_NAME}", curve.loads, *curve.band, color=look["color"], **BAND_STYLE)
 
 
 def _draw_behind(
@@ -252,8 +252,8 @@ def _draw_behind(
     for _, same in table[here & table["best"]].groupby("method", sort=False):
         loads, reduced = _reduce(same, tables, quantity)
         label = f"{BAND_NAME} of {len(same)} phases"
-        band(axes, label, loads, *reduced[1:], **BEHIND)
-        entry = Patch(label=label, **BEHIND)
+        band(axes, label, loads, *reduced[1:], **BEHIND_STYLE)
+        entry = Patch(label=label, **BEHIND_STYLE)
     return entry
 
 
@@ -279,8 +279,8 @@ def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None
         return None
     look = style.line(curve.method)
     name, low = f"error stated by {look['label']}", np.maximum(values - width, values * np.finfo(float).eps)
-    band(axes, name, own.loads, low, values + width, color=look["color"], **STATED)
-    return Patch(color=look["color"], label=name, **STATED)
+    band(axes, name, own.loads, low, values + width, color=look["color"], **ERROR_STYLE)
+    return Patch(color=look["color"], label=name, **ERROR_STYLE)
 
 
 def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
@@ -307,7 +307,7 @@ def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
         number = " to ".join(map(str, dict.fromkeys([counts[0], counts[-1]])))
         handles += [
             Line2D([], [], color=style.GREY, label=f"line: median over {' and '.join(over)}"),
-            Patch(color=style.GREY, label=f"band: {BAND_NAME} of {number}", **BAND),
+            Patch(color=style.GREY, label=f"band: {BAND_NAME} of {number}", **BAND_STYLE),
         ]
     return handles
 

@@ -26,12 +26,12 @@ THEORIES: tuple[tuple[Any, str, Any], ...] = (
 )
 WIDTH, HEIGHT = 2.9, 2.3  # size of a panel (inches)
 # light, intermediate and heavy loads (p_0*)
-LOOKS = {0.01: (style.BLUE, "o"), 0.1: (style.VERMILLION, "s"), 1.0: (style.BLACK, "^")}
+STYLES = {0.01: (style.BLUE, "o"), 0.1: (style.VERMILLION, "s"), 1.0: (style.BLACK, "^")}
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Draw contact fraction and resistance over the number of terms: a column of panels for each D and gamma."""
-    table = pd.concat([_table(study, load) for study in studies for load in LOOKS])
+    table = pd.concat([_table(study, load) for study in studies for load in STYLES])
     if table.empty:
         raise ValueError("there are no numerical curves to draw in these studies")
     title, shown = style.limit_panels(title, list(table.groupby(["D", "gamma"])), "series", most=3)
@@ -40,7 +40,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     for column, ((D, gamma), own) in enumerate(shown):
         for axes, quantity in zip(grid[:, column], QUANTITIES, strict=True):
             for load, found in own.groupby("load"):
-                _draw(axes, found, quantity, *LOOKS[load])
+                _draw(axes, found, quantity, *STYLES[load])
             axes.set_yscale("log")
             if column == 0:
                 axes.set_ylabel(style.LABELS[quantity])
@@ -93,7 +93,7 @@ def _legend(table: pd.DataFrame) -> list[Any]:
     return [
         *(
             Line2D([], [], color=color, marker=marker, markersize=3, label=rf"$\bar{{p}}={load:g}\,p_0^*$")
-            for load, (color, marker) in LOOKS.items()
+            for load, (color, marker) in STYLES.items()
         ),
         Patch(color=style.GREY, alpha=0.18, linewidth=0, label=f"{BAND[0]} to {BAND[1]} % of {count} phases"),
         *(

@@ -157,7 +157,7 @@ def _plot(quantity: str, methods: Sequence[str], sources: Sequence[ColumnDataSou
             dash = [] if look["linestyle"] == "-" else [round(LINE_WIDTH * length) for length in look["linestyle"][1]]
             plot.line(**curve, color=look["color"], line_dash=dash, line_width=LINE_WIDTH)
     # The axis follows the methods that count, if any; other curves may leave the frame.
-    counting: Any = [glyph for method, glyph in zip(methods, plot.renderers, strict=True) if style.counts(method)]
+    counting: Any = [glyph for method, glyph in zip(methods, plot.renderers, strict=True) if style.sets_axes(method)]
     plot.y_range = DataRange1d(renderers=counting or "auto")
     if quantity == "compliance":
         plot.y_range.start = 0

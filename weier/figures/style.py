@@ -75,7 +75,7 @@ DASHES = (
 POINTS: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgewidth": 0.7, "markevery": 0.06}
 SPARSE_POINTS: dict[str, Any] = {"markevery": 0.15, "markersize": 2.2, "markeredgewidth": 0.6}
 # style of a band between bounds
-BOUND: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.35", "linewidth": 0.7, "zorder": 1}
+BOUND_STYLE: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.35", "linewidth": 0.7, "zorder": 1}
 
 
 def labels_of(interface: Bodies | None, unit: str) -> dict[str, str]:
@@ -98,7 +98,7 @@ def points(method: str) -> dict[str, Any]:
     return line(method) | POINTS | {"marker": look.marker}
 
 
-def counts(method: str) -> bool:
+def sets_axes(method: str) -> bool:
     """Return whether axes follow the curves of a method: a method of the paper, or a numerical one."""
     return any(entry.in_paper or entry.numerical for entry in registry.METHODS if entry.name == method)
 

@@ -133,7 +133,7 @@ def extent(tables: Sequence[Values]) -> Extent:
     full = max(float(curves.full_contact_loads(own.study)[rows].max()) for own, rows in drawn)
     least, largest, numerical = np.inf, 0.0, np.inf
     for own, rows in drawn:
-        counting = np.array([style.counts(method) for method in own.methods], bool)
+        counting = np.array([style.sets_axes(method) for method in own.methods], bool)
         counting |= not own.known[rows][:, counting].any()
         values = own.values[rows][:, counting]
         shown = (own.loads >= first) & (own.loads <= full)

@@ -69,4 +69,4 @@ def _draw_bounds(axes: Axes, longest: xr.Dataset, quantity: str) -> None:
     low, high = (curves.curve(longest, f"{quantity}_{side}", method) for side in ("lower", "upper"))
     if low is not None and high is not None:
         label = f"bounds from {style.describe(longest, 'm')}"
-        band(axes, label, longest["mean_pressure"].values, low, high, **style.BOUND)
+        band(axes, label, longest["mean_pressure"].values, low, high, **style.BOUND_STYLE)

@@ -46,7 +46,7 @@ class Finest(NamedTuple):
     pressure: float
     exponent: float = 0.5
 
-    def over(self, xi: Array, scale: ArrayLike = 1.0) -> Array:
+    def scaled_at(self, xi: Array, scale: ArrayLike = 1.0) -> Array:
         """Return the fraction under these loads over a power of a scale."""
         exceeding = np.minimum(xi, 1.0) * np.maximum(1 - _limit(xi, self.pressure), 0)
         return np.asarray(2 / np.pi * np.arcsin(np.sqrt(exceeding)) / np.asarray(scale) ** self.exponent)
@@ -67,7 +67,7 @@ class Table:
         self.exponent, self.kinks = exponent, kinks
         self._ratio = scipy.interpolate.PchipInterpolator(rows, ratios)
 
-    def over(self, xi: Array, scale: ArrayLike = 1.0) -> Array:
+    def scaled_at(self, xi: Array, scale: ArrayLike = 1.0) -> Array:
         """Return the values under these loads over a power of a scale."""
         with np.errstate(divide="ignore"):
             ratio = self._ratio(np.clip(np.log(xi), MIN_LOG_LOAD, MAX_LOG_LOAD))
@@ -115,7 +115,7 @@ def contact_fraction(mean_pressure: ArrayLike, D: float, gamma: float, m: float)
 def _fraction(finest: Finest, xi: Array, step: float, waves: int) -> Array:
     """Return F_k for k waves under loads on the coarsest; `step` is (D - 1) ln(gamma)."""
     if waves == 1:
-        return finest.over(xi)
+        return finest.scaled_at(xi)
     # Coarser waves inherit the kinks of finer ones, but each mean over a wave smooths them.
     kinks = finest.kinks | {load for kink in finest.kinks for load in _loads_with(kink * math.exp(step))}
     rows = _rows(kinks)
@@ -144,7 +144,7 @@ def _cascaded(finer: Finest | Table, xi: Array, step: float) -> Array:
         cosine = np.sqrt(1 - covered + covered * sine**2)  # cos(y)
         load = math.exp(-step) * (2 * scale * cosine * sine + excess)
         slope = np.divide(sine, cosine, out=np.zeros(sine.shape), where=cosine > 0)  # dy over the angle and the scale
-        total += (width * WEIGHTS * slope * finer.over(load, scale)).sum(axis=1)
+        total += (width * WEIGHTS * slope * finer.scaled_at(load, scale)).sum(axis=1)
     return np.asarray(2 / np.pi * math.exp(step) * total)
 
 

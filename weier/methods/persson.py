@@ -37,7 +37,7 @@ class Rates(NamedTuple):
     decay: float
 
     @classmethod
-    def of(cls, D: float, gamma: float) -> Rates:
+    def from_series(cls, D: float, gamma: float) -> Rates:
         """Return the rates of a series."""
         return cls(2 * (D - 1) * math.log(gamma), (2 - D) * math.log(gamma))
 
@@ -80,13 +80,13 @@ def contact_fraction(mean_pressure: ArrayLike, D: float, gamma: float, m: float)
     p = np.asarray(mean_pressure, float)
     if math.isinf(m):
         return np.zeros(p.shape)
-    log_x, _ = _exponents_and_weights(p, np.asarray(m - 1.0), Rates.of(D, gamma))
+    log_x, _ = _exponents_and_weights(p, np.asarray(m - 1.0), Rates.from_series(D, gamma))
     return np.asarray(scipy.special.erf(np.exp(log_x / 2)))
 
 
 def _solve_series(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> tuple[Array, Array]:
     """Return compliance and resistance."""
-    p, rates = np.asarray(mean_pressure, float), Rates.of(D, gamma)
+    p, rates = np.asarray(mean_pressure, float), Rates.from_series(D, gamma)
     pieces = np.array_split(p.ravel(), max(1, math.ceil(p.size * rates.terms_of(m) / MAX_VALUES)))
     heights, slopes = zip(*(_sums(piece, m, rates) for piece in pieces), strict=True)
     h = leading_amplitude(m, D, gamma) - np.concatenate(heights) / (4 * math.sqrt(math.pi))
@@ -145,7 +145,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike) -> Curve:
 
 
 def _applies(profile: Profile) -> None:
-    terms = Rates.of(profile.D, float(profile.gamma)).terms
+    terms = Rates.from_series(profile.D, float(profile.gamma)).terms
     if math.isinf(profile.m) and terms > MAX_TERMS:
         raise NotApplicableError(
             f"gamma = {float(profile.gamma):.8g} is so close to 1 that Persson's sums take {terms:.1e} terms, more "
