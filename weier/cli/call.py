@@ -33,7 +33,7 @@ INTERFACE = "interface"  # key of a scene that holds the bodies
 class Call(NamedTuple):
     """Surfaces, their loads and the methods.
 
-    loads : in the order given, in p_0*, or in Pa if there are bodies
+    loads : increasing and distinct, in p_0*, or in Pa if there are bodies
     unit : the unit in which pressures were given; empty if there was none
     """
 
@@ -65,22 +65,16 @@ class Call(NamedTuple):
             loads = both.at(surfaces[0]).pressure(loads)
         listed = list(methods) or [default_method(*surfaces, within_tolerance=tolerance is not None)]
         given = {**(settings or {})} | ({} if tolerance is None else {TOLERANCE: tolerance})
-        return cls(list(surfaces), loads, listed, given, both, unit)
-
-    @property
-    def distinct_loads(self) -> Array:
-        """The loads, increasing and each once."""
-        return np.unique(self.loads)
+        return cls(list(surfaces), np.unique(loads), listed, given, both, unit)
 
     def own_loads(self, surface: Waves) -> Array:
         """Return these loads in p_0* for a surface."""
-        loads = self.distinct_loads
-        return loads if self.bodies is None else self.bodies.at(surface).normalised_pressure(loads)
+        return self.loads if self.bodies is None else self.bodies.at(surface).normalised_pressure(self.loads)
 
     def solve(
         self, workers: int, known: Mapping[str, Known] | None = None
     ) -> tuple[xr.Dataset, BaseException | None]:
-        """Return curves over distinct loads in normalised units, and the exception that stopped them, or None.
+        """Return curves in normalised units, and the exception that stopped them, or None.
 
         Ctrl-C stops it; values that are not solved are then NaN.
         """
@@ -88,7 +82,7 @@ class Call(NamedTuple):
         loads_of = None if self.bodies is None else self.own_loads
         stopped: BaseException | None = None
         try:
-            curves = solve_under(self.surfaces, self.distinct_loads, loads_of, self.methods, **options)
+            curves = solve_under(self.surfaces, self.loads, loads_of, self.methods, **options)
         except INTERRUPTIONS as stop:
             if getattr(stop, "curve", None) is None:
                 raise
@@ -100,11 +94,6 @@ class Call(NamedTuple):
     def in_units(self, curves: xr.Dataset) -> xr.Dataset:
         """Return curves in SI units if there are bodies, with pressures in the unit given."""
         return curves if self.bodies is None else with_pressures_in(self.bodies.in_si(curves), self.unit)
-
-    def in_order(self, curves: xr.Dataset) -> xr.Dataset:
-        """Return curves under the distinct loads, or the first or last of these, in the order given."""
-        pressures = curves[LOADS].values
-        return curves.isel({LOADS: np.searchsorted(pressures, self.loads[np.isin(self.loads, pressures)])})
 
     def draw(self, curves: xr.Dataset, path: Path, quantity: str, grouping: Grouping = BY_DEFAULT) -> None:
         """Draw a quantity of curves in normalised units."""

@@ -62,8 +62,7 @@ def solve(output: Path | None, force: bool, workers: int, **options: Any) -> Non
     Prints JSON to standard output and progress to standard error. After Ctrl-C, the loads that patches, bem or auto
     have solved are printed or, with an output, kept in curve.part.nc, from which the same command resumes; a kill
     loses ten seconds. A netCDF file of the same problem with fewer loads gets the others. Lengths along x are in
-    lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output keeps; netCDF has each
-    once, increasing.
+    lambda_0, heights in g_0, pressures in p_0*. The output has each load once, increasing.
 
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
@@ -88,14 +87,14 @@ def solve(output: Path | None, force: bool, workers: int, **options: Any) -> Non
         curves, stop = call.solve(workers, known)
     curves, where = curves if stop is None else solved_loads(curves), "printed"
     if kept is None:
-        click.echo(as_json(call.in_units(call.in_order(curves)), str(call.surfaces[0].describe())))
+        click.echo(as_json(call.in_units(curves), str(call.surfaces[0].describe())))
     elif stop is None:
         kept.finish(curves)
     else:
         kept.save(curves)
         where = f"in {kept.part}" + ("" if force else ", from which the same command goes on")
     if stop is not None:
-        solved, count = curves.sizes["mean_pressure"], call.distinct_loads.size
+        solved, count = curves.sizes["mean_pressure"], call.loads.size
         click.echo(f"weier: {solved} of {count} loads are solved, and {where}", err=True)
         raise stop
     check_solved(curves)

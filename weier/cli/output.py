@@ -54,7 +54,7 @@ class Output:
 
     def known(self) -> dict[str, Known]:
         """Return the solved curves of the files; ValueError for another problem or further loads."""
-        found, loads = dict[str, Known](), self.call.distinct_loads
+        found, loads = dict[str, Known](), self.call.loads
         for path in filter(Path.exists, (self.path, self.part)):
             data = self._read(path)
             self.owned |= path == self.part
