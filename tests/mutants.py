@@ -139,6 +139,12 @@ def judge(module, text):
             return "SURVIVES"
 
 
+def named(module, start, end, new):
+    """Name a mutant by its module, line of code and change, as `equivalent_mutants.txt` lists it before a reason."""
+    text, line = SOURCE[module], SOURCE[module].count("\n", 0, start)
+    return f"{module} | {text.splitlines()[line].strip()} | {text[start:end]} -> {new}"
+
+
 def main():
     parser = argparse.ArgumentParser(prog="python -m tests.mutants")
     parser.add_argument("count", type=int)
@@ -147,16 +153,18 @@ def main():
     options = parser.parse_args()
     os.environ |= {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1"}
     list(map(importlib.import_module, ("numba", "rocket_fft", "scipy.optimize", "mpmath", "hypothesis")))
-    listed = (TESTS / "equivalent_mutants.txt").read_text().splitlines()  # module | line of code | change | reason
-    chosen = [m for m in SOURCE if m.startswith(tuple(options.paths)) and not m.startswith("surface/measured")]
-    every = [(module, *mutant) for module in chosen for mutant in mutants(SOURCE[module])]
+    every = [(module, *mutant) for module in SOURCE for mutant in mutants(SOURCE[module])]
+    lines = (TESTS / "equivalent_mutants.txt").read_text().splitlines()
+    equivalent = {line.rpartition(" | ")[0] for line in lines}
+    if stale := equivalent - {named(*mutant) for mutant in every}:
+        raise SystemExit("\n".join(["equivalent_mutants.txt lists code that is gone:", *sorted(stale)]))
+    chosen = [each for each in every if each[0].startswith(tuple(options.paths)) and "/measured/" not in each[0]]
     table, verdicts = Counter(), ("failed", "endless", "SURVIVES", "equivalent")
-    for module, start, end, new in random.Random(options.seed).sample(every, min(options.count, len(every))):
-        text, line = SOURCE[module], SOURCE[module].count("\n", 0, start)
-        what = f"{module} | {text.splitlines()[line].strip()} | {text[start:end]} -> {new}"
-        known = any(line.startswith(f"{what} | ") for line in listed)
-        verdict = "equivalent" if known else judge(module, text[:start] + new + text[end:])
-        print(f"{verdict:10} {line + 1:4} {what}", flush=True)
+    for mutant in random.Random(options.seed).sample(chosen, min(options.count, len(chosen))):
+        module, start, end, new = mutant
+        text, what = SOURCE[module], named(*mutant)
+        verdict = "equivalent" if what in equivalent else judge(module, text[:start] + new + text[end:])
+        print(f"{verdict:10} {text.count(chr(10), 0, start) + 1:4} {what}", flush=True)
         table[module.rpartition("/")[0], verdict] += 1
     print(("\n{:24}" + 4 * "{:>12}").format("", *verdicts))
     for room in sorted({room for room, _ in table}):

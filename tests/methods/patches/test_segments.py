@@ -26,6 +26,8 @@ def test_contacts_and_strengths_are_those_of_westergaard(wave, dual):
     (origin, centre, r), strength, tangent = contact_pieces(state, wave.period)
     assert np.mod(origin + centre - wave.crest + 0.5 * wave.period, wave.period) == pytest.approx(0.5 * wave.period)
     assert r == pytest.approx(wave.half_width)
+    segments = state.segments
+    assert segments.right - segments.middle == pytest.approx(segments.half_width)
     np.testing.assert_allclose(strength, wave.strength, rtol=1e-9)
     np.testing.assert_allclose(tangent, wave.tangent_strength, rtol=1e-9)
     s = 1e-8 * wave.half_width
