@@ -34,10 +34,10 @@ for module, limits in names.items():
     for name in limits:
         number = getattr(changed, name)
         setattr(changed, name, max(1, round(number * factor)) if isinstance(number, int) else number * factor)
-loads, few = [1e-4, 0.03, 0.5, 2.0, 30.0], Profile(1.5, 2, 4, (0.0, 1.0, 2.0, 3.0))
+loads, few = [1e-4, 0.5, 2.0], Profile(1.5, 2, 4, (0.0, 1.0, 2.0, 3.0))
 found = {
     "layer": [both(layer.curve(Profile(*series), loads)) for series in [(1.25, 5, 3), (1.25, 5, inf)]],
-    "bem": [both(bem.curve(few, loads[1:4], 256))],
+    "bem": [both(bem.curve(few, loads[1:], 128))],
 }
 print(json.dumps({method: [[v.tolist() for v in both] for both in curves] for method, curves in found.items()}))
 """

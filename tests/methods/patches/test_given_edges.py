@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.polynomial.chebyshev import chebval
 
 from tests.methods.patches.westergaard_states import KINDS
 from weier.kernels.blas import one_thread
@@ -9,6 +10,7 @@ from weier.methods.patches.given_edges import (
     displacement,
     expansion,
     make_punches,
+    moved_expansion,
     regular_part,
     solve_forces_on_contacts,
     transfer_forces,
@@ -117,6 +119,22 @@ def test_the_regular_part_of_an_expansion_is_what_is_left_but_for_a_straight_lin
     b[first[:-1]] += [1.0, 2.0, 3.0]
     b[first[:-1] + 1] -= 0.7
     np.testing.assert_allclose(regular_part(first, b), a, atol=1e-14)
+
+
+def test_a_density_is_moved_with_its_segment():
+    """To first order, where the place of a point in its segment changes by (shift + t growth)/r."""
+    first, a, b = polynomials([6, 11])
+    r, shift, growth = np.array([0.3, 2.0]), np.array([0.2, -0.1]), np.array([-0.3, 0.7])
+    moved, regular = moved_expansion(first, r, b, a, shift, growth)
+    np.testing.assert_array_equal(regular, regular_part(first, moved))
+    t = np.linspace(-0.99, 0.99, 30)
+    for j in range(2):
+        here = slice(first[j], first[j + 1])
+        density = chebval(t, b[here]) / np.sqrt(1 - t**2)
+        step = 1e-6 * (shift[j] + t * growth[j]) / r[j]
+        there = chebval(t + step, b[here]) / np.sqrt(1 - (t + step) ** 2)
+        change = chebval(t, moved[here] - b[here]) / np.sqrt(1 - t**2)
+        np.testing.assert_allclose(change, (there - density) / 1e-6, atol=2e-4 * np.abs(change).max())
 
 
 @pytest.mark.parametrize("power", [0, 2])

@@ -13,8 +13,6 @@ from weier.methods import bem, patches, westergaard
 from weier.methods.patches import solver, start
 from weier.methods.patches.surface import surface_of
 
-LOADS = np.geomspace(1e-3, 2, 40)
-
 
 def assert_complementary(profile: Profile, load: float, points: int = 4001) -> patches.Solution:
     """p > 0 and gap 0 on the contacts, gap > 0 between them, and the load, off the solver's nodes."""
@@ -103,17 +101,6 @@ def test_twin_crests_that_differ_by_rounding_are_mirrored(m):
     here, there = (patches.curve(Profile(1.5, 2, m, sign * phase), loads) for sign in (1, -1))
     np.testing.assert_allclose(here.resistance, there.resistance, rtol=1e-9)
     np.testing.assert_allclose(here.indentation, there.indentation, rtol=1e-9)
-
-
-def test_compliance_is_concave_and_contact_grows():
-    curve = patches.curve(THREE_WAVES, LOADS)
-    assert np.all(np.diff(curve.compliance) > 0)
-    assert np.all(np.diff(curve.resistance) < 0)
-    assert np.all(np.diff(curve.contact_fraction) > 0)
-    chord = np.diff(curve.compliance) / np.diff(LOADS)
-    assert np.all((chord < curve.resistance[:-1]) & (chord > curve.resistance[1:]))
-    assert curve.residual.max() < 1e-9
-    print(f"40 loads: {curve.work.sum()} Newton steps")
 
 
 # Between births and mergers of its contacts, at 0.0767, 0.196, 0.549, 0.891, 1.639 and 2.002 p_0*
