@@ -93,7 +93,7 @@ def _made_by(context: click.Context) -> str:
         f"{names.get(name, name.removesuffix('_version').replace('_', '-'))} {version}"
         for name, version in provenance.versions().items()
     )
-    return f"Made by `{' '.join(words)}` on {provenance.run_date()[0]}: {', '.join(software)}."
+    return f"Made by `{' '.join(words)}` on {provenance.run_date()}: {', '.join(software)}."
 
 
 def number(value: float, form: str = ".0e") -> str:

@@ -20,7 +20,7 @@ from weier.data import netcdf, provenance, variables
 from weier.data.files import replacing
 from weier.data.selection import NEEDED, as_cases, name_cases
 from weier.data.si import marked
-from weier.data.variables import COORDINATES, RUN, VARIABLES, Status
+from weier.data.variables import COORDINATES, RUN, VARIABLES
 from weier.kernels.arrays import Array
 from weier.units import NORMALISED_PRESSURE
 
@@ -67,8 +67,8 @@ def blank(
     """
     dims = "case", "solution_method", "mean_pressure", "term", "edge"
     sizes = dict(zip(dims, (cases, len(methods), loads.size, terms, edges), strict=True))
-    values = {name: variables.blank(name, sizes)[1] for name in variables.curve_variables(returned, edges > 0)}
-    values["status"][:] = Status.not_requested
+    names = variables.curve_variables(returned, edges > 0)
+    values = {name: variables.blank(name, [sizes[dim] for dim in VARIABLES[name].dims]) for name in names}
     return over_cases(values, methods, loads, unit)
 
 

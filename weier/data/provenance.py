@@ -52,13 +52,13 @@ FIXED = {
 
 def attributes(title: str, step: str, scene: str = "", in_si: bool = False) -> dict[str, str]:
     """Return global attributes of a file by its title, the step that made it, the text of its scene and its units."""
-    (date, dating), software = run_date(), _program()
+    date, software = run_date(), _program()
     changing = {
         "title": title,
         "source": f"numerical model: {software}",
         "history": f"{step} by {software}",
         "processing_level": step,
-        "comment": f"{IN_SI if in_si else NORMALISED} {dating}",
+        "comment": IN_SI if in_si else NORMALISED,
         "git_commit": commit() or "unknown: not run from a checkout",
         "date_created": date,
         "date_modified": date,
@@ -72,15 +72,14 @@ def source_date() -> str:
     return os.environ.get("SOURCE_DATE_EPOCH", "")
 
 
-def run_date() -> tuple[str, str]:
-    """Return the date of this run or SOURCE_DATE_EPOCH in ISO 8601, and a sentence that says which it is."""
+def run_date() -> str:
+    """Return the date of this run, or SOURCE_DATE_EPOCH, in ISO 8601."""
     epoch = source_date()
     try:
         date = datetime.fromtimestamp(int(epoch), UTC) if epoch else datetime.now(UTC)
     except (ValueError, OverflowError, OSError):
         raise ValueError(f"SOURCE_DATE_EPOCH must be the seconds since 1970, got {epoch!r:.80}") from None
-    meaning = "SOURCE_DATE_EPOCH, as the run has set it: the same scene and program make the same bytes"
-    return date.isoformat(timespec="seconds"), f"Its dates are {meaning if epoch else 'those of the run'}."
+    return date.isoformat(timespec="seconds")
 
 
 def result_attributes(title: str = "") -> dict[str, str]:

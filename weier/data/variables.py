@@ -5,7 +5,7 @@ To add a variable, add a row: batches, files, figures and pages are derived from
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Mapping
+from collections.abc import Collection, Container, Sequence
 from enum import IntEnum
 from functools import partial
 from typing import Any, NamedTuple
@@ -274,19 +274,16 @@ def curve_variables(returned: Collection[str], edges: bool) -> list[str]:
     ]
 
 
-def blank(
-    name: str, sizes: Mapping[str, int], table: Mapping[str, Variable] = VARIABLES
-) -> tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]:
-    """Return dimensions, empty values and attributes of a variable."""
-    entry = table[name]
-    shape = [sizes[dim] for dim in entry.dims]
-    nothing: Any = {"f": np.nan, "i": 0}.get(entry.dtype[0], "")
-    return entry.dims, np.full(shape, nothing, entry.dtype), attributes(name, table)
+def blank(name: str, shape: Sequence[int]) -> NDArray[Any]:
+    """Return missing values: NaN, an empty text, no origin, or the status of a curve that was not requested."""
+    dtype = VARIABLES[name].dtype
+    nothing: Any = Status.not_requested if name == "status" else {"f": np.nan, "i": -1}.get(dtype[0], "")
+    return np.full(shape, nothing, dtype)
 
 
-def attributes(name: str, table: Mapping[str, Variable] = VARIABLES, unit: str = "") -> dict[str, Any]:
+def attributes(name: str, unit: str = "") -> dict[str, Any]:
     """Return the CF attributes of a variable in a file; `unit` overrides that of the table."""
-    entry = table[name] if not unit else table[name]._replace(unit=unit)
+    entry = VARIABLES[name] if not unit else VARIABLES[name]._replace(unit=unit)
     known: dict[str, Any] = units.described(entry.long_name, entry.unit) | {"coverage_content_type": entry.content}
     if entry.dtype != "f8":  # texts and counts have no units
         del known["units"]

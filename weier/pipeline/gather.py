@@ -22,7 +22,7 @@ from weier.data import netcdf, provenance, variables
 from weier.data.dataset import over_cases
 from weier.data.files import replacing
 from weier.data.si import marked, with_pressures_in
-from weier.data.variables import CASE, CURVE, LABEL, LOADS, VARIABLES, Status
+from weier.data.variables import CASE, CURVE, LABEL, LOADS, VARIABLES
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
 from weier.pipeline.needed_curves import Curves, Part
@@ -88,13 +88,10 @@ class Solved:
         """Combine the values of some parts into an array of all rows, shape (cases, ...)."""
         found = [(rows, self._read(name, part, numbers)) for part, rows, numbers in parts]
         solved = [(rows, values) for rows, values in found if values is not None]
-        dims, dtype = VARIABLES[name].dims, VARIABLES[name].dtype
         sizes = {LOADS: self.loads.size, "term": 1}
-        own = [sizes.get(dim, 0) for dim in dims if dim not in (CASE, "solution_method")]
+        own = [sizes.get(dim, 0) for dim in VARIABLES[name].dims if dim not in (CASE, "solution_method")]
         shape = np.max([own, *(values.shape[1:] for _, values in solved)], axis=0).astype(int)
-        text = dtype[0] in "UO"
-        nothing: Any = "" if text else np.nan if dtype[0] == "f" else Status.not_requested if name == "status" else -1
-        joined = np.full((len(self.cases), *shape), nothing, object if text else dtype)
+        joined = variables.blank(name, (len(self.cases), *shape))
         for rows, values in solved:
             within: tuple[Any, ...] = (rows, *map(slice, values.shape[1:]))
             joined[within] = values
