@@ -89,7 +89,7 @@ def test_a_list_of_cases_is_itself(tmp_path):
 def test_phases_are_those_of_a_profile_or_a_list_of_them(phases, expected, tmp_path):
     """A number is the phase of every term but the first, a list is of all terms: as in weier.Profile."""
     loaded = scene.load(write(tmp_path, **product(m=2, phases=phases)))
-    assert [case.profile.phases for case in loaded.cases.values()] == expected
+    assert [case.profile.phases for case in loaded.distinct] == expected
 
 
 ONE_MISTAKE = yaml.safe_load(Path("tests/data/scene_mistakes.yaml").read_text(encoding="utf-8"))

@@ -76,5 +76,5 @@ def main(scene: Path, terms: int) -> list[str]:
     Nodes are nodes of boundary elements.
     """
     loaded = load(scene)
-    found = (rows(case.profile, measure(case.profile, loaded.loads, terms)) for case in loaded.cases.values())
+    found = (rows(case.profile, measure(case.profile, loaded.loads, terms)) for case in loaded.distinct)
     return [table(HEADER, list(chain.from_iterable(found)))]

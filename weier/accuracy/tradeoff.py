@@ -142,5 +142,5 @@ def main(scene: Path) -> list[str]:
     grid is run on fewer profiles, so compare rows that have equally many.
     """
     loaded = load(scene)
-    found = measure([case.profile for case in loaded.cases.values()], loaded.loads)
+    found = measure([case.profile for case in loaded.distinct], loaded.loads)
     return [table_of(found)]

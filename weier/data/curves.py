@@ -85,11 +85,6 @@ def numerical_method(case: Labelled) -> str | None:
     return next(numerical_methods(case), None)
 
 
-def numerical(case: xr.Dataset, name: str) -> Array | None:
-    """Return the values of a variable by the most accurate numerical method, or None if there are none."""
-    return curve(case, name, numerical_method(case))
-
-
 def as_study(case: xr.Dataset) -> xr.Dataset:
     """Return a study of one case."""
     return case.reset_coords().expand_dims("case")

@@ -39,7 +39,7 @@ def load_scene(path: str | Path) -> Scene:
     --------
     >>> import weier
     >>> loaded = weier.load_scene("config/scenes/minimal.yaml")
-    >>> print(len(loaded.cases), list(loaded.studies), list(loaded.figures))
+    >>> print(loaded.count, list(loaded.studies), list(loaded.figures))
     1 ['two_waves'] ['compliance']
     """
     return scene.load(path, CHECKS)

@@ -12,7 +12,7 @@ import numpy as np
 from weier.checks import checked_word
 from weier.data.bodies import Bodies
 from weier.kernels.arrays import Array, Indices
-from weier.scene.case import Case, short_keys
+from weier.scene.case import Case
 from weier.scene.figure import Figure
 from weier.scene.identity import Keys, distinct
 from weier.scene.study import CaseProduct, Study
@@ -85,11 +85,6 @@ class Scene:
     def keys_of_cases(self) -> Keys:
         """The key of each case, in order of appearance."""
         return self._keys[self._distinct[0]]
-
-    @property
-    def cases(self) -> dict[str, Case]:
-        """Every case by its key, each once, in order of appearance."""
-        return dict(zip(short_keys(self.keys_of_cases), self.distinct, strict=True))
 
     @cached_property
     def product_of_cases(self) -> Indices:
