@@ -118,7 +118,7 @@ def trace_keys(folder, heights=HEIGHTS, **changes):
 
 CHANGES = (
     {"shortest": 3e-4},
-    {"ends": "tapered"},
+    {"ends": "periodic"},
     {"detrend": "mean"},
     {"height_unit": "nm"},
     {"heights": HEIGHTS[::-1]},

@@ -30,8 +30,7 @@ from weier.surface.bends import (
     likeliest_bend,
     log_relative_power,
 )
-from weier.surface.measured.artefacts import detrended
-from weier.surface.measured.trace import DECIMAL_ROUNDING, PERIODIC, TAPER, TAPERED, Trace
+from weier.surface.measured.trace import DECIMAL_ROUNDING, PERIODIC, Trace
 from weier.surface.profile import Profile, checked_ratio
 from weier.surface.series import amplitude
 
@@ -107,8 +106,8 @@ def fit(
     trace : Trace or sequence of Trace
         The measured surface, or several lines of it.
     longest, shortest : float, optional
-        Band of wavelengths, in m; by default from a quarter of the length of the trace (of the untapered part) to its
-        shortest wavelength, or the part of it without bends of the spectrum.
+        Band of wavelengths, in m; by default from a quarter of the length of the trace to its shortest wavelength, or
+        the part of it without bends of the spectrum.
         Each term represents a band from gamma^(-1/2) to gamma^(1/2) times its wavelength, so that lambda_0 is
         `longest`/gamma^(1/2).
     gamma : int, Fraction, str or float
@@ -160,9 +159,9 @@ def fit(
     if not isinstance(trace, Trace):
         raise ValueError(f"trace must be a weier.Trace, or a list of some, got {shown(trace)}")
     ratio = checked_ratio(gamma)
-    z, length = _untapered(trace)
-    whole = _spectrum(trace, z, length)
-    first, last = _band(trace, length, longest, shortest, ratio)
+    z = trace.g_0 * trace.sampled_height(trace.period * trace.samples)[: trace.samples]
+    whole = _spectrum(trace, z)
+    first, last = _band(trace, longest, shortest, ratio)
     law = whole_law = _law(whole, first, last, ratio)
     _check_power(whole.between(first, law.shortest).k, whole.k[_has_power(whole.k, whole.variance)], whole.period)
     rolloff, doubt = None, np.zeros(2)
@@ -216,10 +215,8 @@ def _fit_one(trace: Trace, *arguments: Any) -> Any:
         raise ValueError(f"trace {trace.source}: {error}" if getattr(trace, "source", "") else str(error)) from None
 
 
-def _band(
-    trace: Trace, length: float, longest: float | None, shortest: float | None, ratio: Fraction
-) -> tuple[float, float]:
-    """Return the longest and the shortest wavelength that are compared, in m, on this length of the trace."""
+def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fraction) -> tuple[float, float]:
+    """Return the longest and the shortest wavelength that are compared, in m."""
     finest = trace.lambda_0 * trace.period / trace.finest
     least = min(finest, trace.shortest)  # The second was given by the user, and is within one wave of the first.
     last = checked_number(
@@ -232,10 +229,10 @@ def _band(
     fewest = _least_ratio(ratio) * last
     first = checked_number(
         "longest",
-        length / WAVES_IN_LENGTH if longest is None else longest,
+        trace.lambda_0 / WAVES_IN_LENGTH if longest is None else longest,
         f"lie between {fewest:.6g} m, {MIN_RATIO:g} and gamma times the shortest wavelength, and the length of the "
-        f"trace, {length:.6g} m",
-        lambda x: fewest <= x * DECIMAL_ROUNDING and x <= length * DECIMAL_ROUNDING,
+        f"trace, {trace.lambda_0:.6g} m",
+        lambda x: fewest <= x * DECIMAL_ROUNDING and x <= trace.lambda_0 * DECIMAL_ROUNDING,
         units.METRE,
     )
     return first, last
@@ -246,32 +243,17 @@ def _least_ratio(ratio: Fraction) -> float:
     return max(MIN_RATIO, float(ratio))
 
 
-def _untapered(trace: Trace) -> tuple[Array, float]:
-    """Return the heights that no taper has changed, and their length, both in m.
-
-    At the ends, a taper turns waves longer than the line into waves of its own length. If the former are high, the
-    spectrum of the tapered line is wrong at this wavelength.
-    """
-    z = trace.g_0 * trace.sampled_height(trace.period * trace.samples)[: trace.samples]
-    if trace.ends == TAPERED:
-        ends = math.ceil(TAPER * z.size)
-        z = detrended(z[ends:-ends], trace.detrend)
-    return z, trace.lambda_0 * z.size / trace.samples
-
-
 def _extended(trace: Trace, z: Array) -> Array:
     """Return one period of these heights of a trace, which is mirrored unless it is periodic."""
     return z if trace.ends == PERIODIC else np.concatenate([z, z[::-1]])
 
 
-def _spectrum(trace: Trace, z: Array, length: float) -> Spectrum:
-    """Return the spectrum of heights of a trace on this length, in m, down to the shortest wave of the trace."""
+def _spectrum(trace: Trace, z: Array) -> Spectrum:
+    """Return the spectrum of heights on the length of a trace, in m, down to its shortest wave."""
     whole = _extended(trace, z)
-    period = length * whole.size / z.size
-    most = math.floor(period / trace.lambda_0 / trace.period * trace.finest * DECIMAL_ROUNDING)
-    variance = 2 * np.abs(np.fft.rfft(whole)[1 : most + 1] / whole.size) ** 2
+    variance = 2 * np.abs(np.fft.rfft(whole)[1 : int(trace.finest) + 1] / whole.size) ** 2
     scatter = PERIODIC_SCATTER if trace.ends == PERIODIC else MIRRORED_SCATTER
-    return Spectrum(np.arange(1, variance.size + 1), variance, period, scatter)
+    return Spectrum(np.arange(1, variance.size + 1), variance, trace.period * trace.lambda_0, scatter)
 
 
 class Law(NamedTuple):
@@ -402,13 +384,12 @@ def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
     """
     ends = np.linspace(0, z.size, PARTS + 1).astype(int)
     windows = list(zip(ends[:-width].tolist(), ends[width:].tolist(), strict=True))
-    length = trace.lambda_0 * z.size / trace.samples
     around = _extended(trace, z)
     without = np.empty((2, len(windows)))  # columns: D and ln g_0
     for part, (start, end) in enumerate(windows):
         flat = z.copy()
         flat[start:end] = np.interp(np.arange(start, end), [start - 1, end], around[[start - 1, end % around.size]])
-        k, variance, *_ = _spectrum(trace, flat, length).between(law.longest, law.shortest)
+        k, variance, *_ = _spectrum(trace, flat).between(law.longest, law.shortest)
         own = (5 - _exponent(k, variance)) / 2
         variances = amplitude(np.arange(law.m), own, float(law.ratio)) ** 2
         without[:, part] = own, math.log(variance.sum() / variances.sum()) / 2
@@ -417,8 +398,7 @@ def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
     quantity, at = np.unravel_index(int(over_error.argmax()), shift.shape)
     if not over_error[quantity, at] > DOMINANCE_DEVIATIONS:
         return ""
-    cut = (trace.samples - z.size) // 2  # number of tapered heights at either end
-    x = (cut + np.array(windows[at])) / trace.samples * trace.lambda_0
+    x = np.array(windows[at]) / trace.samples * trace.lambda_0
     D_error, g_0_error = law.errors.tolist()
     if quantity == 0:
         what = f"D: it is {law.D:.3g} +- {D_error:.1g} with them and {law.D + shift[0, at]:.3g} without"

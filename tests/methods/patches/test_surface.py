@@ -22,11 +22,12 @@ ROUNDING = 8 * np.finfo(float).eps  # of sums over waves, and of polynomials
 
 def rough(waves, ends):
     heights = np.cumsum(np.random.default_rng(3).normal(size=2 * waves))
+    heights -= heights[-1] * np.linspace(0, 1, heights.size)  # no jump at the end of a period
     return Trace(1e-8 * heights, 1e-3, ends=ends, unit="m")
 
 
 SURFACES = {
-    "trace": rough(100, "tapered"),
+    "trace": rough(100, "periodic"),
     "mirrored trace": rough(100, "mirrored"),
     "series": Profile(1.25, 5, 5, phases=(0, 1, 1, 1, 1)),
     "series of a long period": Profile(1.5, "5/3", 5, phases=(0, 1, 2, 3, 4)),

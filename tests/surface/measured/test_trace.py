@@ -38,15 +38,6 @@ def test_all_waves_are_the_heights(ends, samples):
     np.testing.assert_allclose(sampled, trace.height(x), atol=200 * EPS * trace.amplitude.sum(), rtol=0)
 
 
-def test_a_tapered_trace_is_whole_in_its_middle_and_smooth_at_its_ends():
-    z = rough(400, seed=3)
-    trace = Trace(z, LENGTH, ends="tapered", unit="m")
-    level = Trace(z, LENGTH, unit="m").height(np.arange(400) / 400) * Trace(z, LENGTH, unit="m").g_0
-    off = trace.height(np.arange(400) / 400) * trace.g_0 - level
-    assert np.ptp(off[50:350]) < 1e-3 * np.ptp(z)  # the mean, and the wave of two samples
-    assert np.ptp(trace.height([0.0, 1 - 1 / 400])) < 1e-2
-
-
 def test_units_are_the_length_and_the_root_mean_square_height():
     z = rough(300)
     trace = Trace(z, LENGTH, ends="periodic", shortest=LENGTH / 40, unit="m")
@@ -77,7 +68,7 @@ def test_the_digest_tells_heights_and_waves():
     z = rough(64)
     other = z.copy()
     other[7] += 1e-12
-    changed = [(other, 1e-3), (z, 2e-3), (z, 1e-3, 1e-4), (z, 1e-3, None, "tapered")]
+    changed = [(other, 1e-3), (z, 2e-3), (z, 1e-3, 1e-4), (z, 1e-3, None, "periodic")]
     traces = [Trace(z, 1e-3, unit="m"), *(Trace(*arguments, unit="m") for arguments in changed)]
     assert len({trace.digest for trace in traces}) == len(traces)
     assert Trace(z, 1e-3, source="elsewhere", unit="m").digest == traces[0].digest
@@ -174,25 +165,17 @@ def test_a_unit_is_of_heights_and_length_or_of_one_of_them():
         assert trace.g_0 == pytest.approx(same[0].g_0, rel=1e-12)
 
 
-def test_an_array_that_names_its_units_needs_no_others():
-    z, x = 1e6 * rough(64), 1e3 * LENGTH / 64 * np.arange(64)
+def test_an_array_that_names_its_unit_needs_no_other():
+    z = 1e6 * rough(64)
     same = Trace(z, LENGTH, height_unit="um")
-    heights = xr.DataArray(z, {"x": ("x", x, {"units": "mm"})}, "x", attrs={"units": "micrometer"})
-    assert Trace(heights).g_0 == same.g_0
-    assert Trace(heights).lambda_0 == pytest.approx(LENGTH, rel=1e-12)
-    assert Trace(heights, unit=None, height_unit="um", x_unit="mm").g_0 == same.g_0
-    assert Trace(heights.drop_vars("x"), LENGTH).digest == same.digest
+    heights = xr.DataArray(z, dims="x", attrs={"units": "micrometer"})
+    assert Trace(heights, LENGTH).digest == same.digest
+    assert Trace(heights, 1e3 * LENGTH, height_unit="um", x_unit="mm").g_0 == same.g_0
     assert Trace(pd.Series(z), LENGTH, height_unit="um").digest == same.digest
     with pytest.raises(ValueError, match="heights must have one unit, got unit='m' and 'um' by itself"):
-        Trace(heights, unit="m")
-    with pytest.raises(ValueError, match="positions must have one unit, got x_unit='um' and 'mm' by itself"):
-        Trace(heights, x_unit="um")
-    with pytest.raises(ValueError, match="length must be that of 64 steps where positions go from 0 to"):
-        Trace(heights, length=1.0)
+        Trace(heights, LENGTH, unit="m")
     with pytest.raises(ValueError, match=r"the unit of heights and positions must be one of m, .*, got 'V'"):
-        Trace(heights.assign_attrs(units="V"))
-    with pytest.raises(ValueError, match='positions must have a unit: name it, as in x_unit="um"'):
-        Trace(heights.assign_coords(x=x))
+        Trace(heights.assign_attrs(units="V"), LENGTH)
 
 
 class Masked:
@@ -210,12 +193,6 @@ def test_masked_heights_of_astropy_are_missing():
     filled = Trace(masked, LENGTH, height_unit="um", missing="interpolate")
     z[7] = (z[6] + z[8]) / 2
     assert filled.g_0 == pytest.approx(Trace(z, LENGTH, unit="m").g_0, rel=1e-12)
-
-
-def test_an_array_with_falling_positions_is_read_from_their_other_end():
-    z, x = 1e6 * rough(64), 1e3 * LENGTH / 64 * np.arange(64)
-    falling = xr.DataArray(z[::-1], {"x": ("x", x[::-1], {"units": "mm"})}, "x", attrs={"units": "um"})
-    assert Trace(falling).digest == Trace(z, LENGTH, height_unit="um", x_unit="m").digest
 
 
 def test_the_form_of_a_body_is_removed_if_that_is_asked_for_and_else_mentioned():
@@ -285,7 +262,7 @@ def test_equal_waves_of_two_bodies_add_up_and_those_of_opposite_phase_cancel():
     [
         (2 * LENGTH, 64, {}, r"same length in m, got 0\.004 and 0\.008: read both"),
         (LENGTH, 128, {}, "same number of heights, got 64 and 128"),
-        (LENGTH, 64, {"ends": "tapered"}, "same ends, got mirrored and tapered"),
+        (LENGTH, 64, {"ends": "periodic"}, "same ends, got mirrored and periodic"),
         (LENGTH, 64, {"detrend": "form"}, "same detrend, got tilt and form"),
         (LENGTH, 64, {"shortest": 5e-4}, r"same shortest, got 0\.000125 and 0\.0005"),
     ],

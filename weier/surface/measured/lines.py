@@ -128,24 +128,10 @@ def length_of_steps(x: Array, length: float | None, place: Callable[[int], str])
     return own if length is None else length
 
 
-def line_from_array(heights: Any, with_positions: bool) -> Line:
-    """Return the line of an array: one of xarray may have units, and a coordinate with positions.
-
-    A coordinate without a unit is taken for a mere number of each height unless `with_positions`.
-    """
-    height_units = _units(heights)
-    dims: tuple[Any, ...] = getattr(heights, "dims", ())
-    if len(dims) != 1 or dims[0] not in getattr(heights, "coords", ()):
-        return Line(heights, height_units=height_units)
-    coordinate = heights.coords[dims[0]]
-    x_units = _units(coordinate)
-    known = bool(x_units) or with_positions
-    return Line(heights, coordinate.values if known else None, None, x_units, height_units)
-
-
-def _units(values: Any) -> tuple[str, ...]:
-    unit = unit_of(values)
-    return (length_unit(unit),) if unit else ()
+def line_from_array(heights: Any) -> Line:
+    """Return the line of an array, which may have a unit."""
+    unit = unit_of(heights)
+    return Line(heights, height_units=(length_unit(unit),) if unit else ())
 
 
 def heading_cells(heading: str, columns: int, delimiter: str) -> list[str]:

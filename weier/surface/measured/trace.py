@@ -30,8 +30,7 @@ from weier.surface.measured.lines import UNITS, Line, known_unit, length_of_step
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import Waves
 
-MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
-TAPER = 0.1  # fraction of the length at each end over which a tapered trace falls to its mean
+MIRRORED, PERIODIC = ENDS = ("mirrored", "periodic")
 ROUNDING = 1e-14  # amplitudes below this fraction of g_0 are rounding errors
 # tolerance for wavelengths that are quotients of decimal numbers
 DECIMAL_ROUNDING = 1 + 1e-9
@@ -55,15 +54,15 @@ class Trace(Waves):
     ----------
     heights : array_like, shape (samples,)
         Heights at equal steps, upwards out of the body. NaN, None and masked values are missing. An xarray array may
-        have the attribute `units` and a coordinate of positions with a unit.
+        have the attribute `units`.
     length : float
         Length of the trace, the number of heights times the step, in m, or in `x_unit` or `unit` if given.
     shortest : float, optional
         Shortest wavelength, lambda_s of metrology, in the unit of `length`; by default two steps, which keeps all
         waves.
-    ends : "mirrored", "periodic" or "tapered"
-        Extension beyond the ends: the mirror image, with twice the length as period; the trace itself, which is then
-        periodic; or the trace with smooth tapers to its mean over a tenth of the length at both ends.
+    ends : "mirrored" or "periodic"
+        Extension beyond the ends: the mirror image, with twice the length as period, or the trace itself, which is
+        then periodic.
     source : str
         Name of the origin of the heights, for the results.
     unit, x_unit, height_unit : str, optional
@@ -155,7 +154,7 @@ class Trace(Waves):
             raise ValueError(f"source must be a text, got {shown(source)}")
         checked_word("ends", ends, ENDS)
         detrend = _checked_detrend(detrend, ends)
-        one = (heights if isinstance(heights, Line) else line_from_array(heights, length is None)).rising()
+        one = (heights if isinstance(heights, Line) else line_from_array(heights)).rising()
         height_factor = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_units)]
         z = measured.with_gaps(one.heights, missing_value)
         length_units = {"unit": unit, "x_unit": x_unit}
@@ -560,8 +559,7 @@ def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
 
 def _waves(level: Array, ends: str, length: float, shortest: float) -> tuple[int, Indices, Any]:
     """Return the period in lengths of the trace, the wave numbers above rounding, and their amplitudes, in m."""
-    z = _continued(level, ends)
-    period = z.size // level.size  # 2 if it is mirrored
+    z, period = (level, 1) if ends == PERIODIC else (np.concatenate([level, level[::-1]]), 2)
     # the phase of a wave of two samples is undetermined, so that the N/2-th wave is omitted
     most = min(math.floor(period * length / shortest * DECIMAL_ROUNDING), (z.size - 1) // 2)
     waves = np.arange(1, most + 1)
@@ -576,17 +574,3 @@ def _waves(level: Array, ends: str, length: float, shortest: float) -> tuple[int
             f"which leaves {finest}: take a larger one, or a part of the trace"
         )
     return period, waves[rough], coefficient[rough]
-
-
-def _continued(z: Array, ends: str) -> Array:
-    """Return the heights of one period.
-
-    A tapered trace is multiplied by sin^2 over a tenth of the length at either end, a Tukey window.
-    """
-    if ends == PERIODIC:
-        return z
-    if ends == MIRRORED:
-        return np.concatenate([z, z[::-1]])
-    distance = np.arange(z.size) / (TAPER * z.size)  # from the first height, over the length of the taper
-    fraction = np.clip(np.minimum(distance, distance[::-1]), 0, 1)
-    return z * np.sin(np.pi / 2 * fraction) ** 2
