@@ -84,7 +84,6 @@ SOUND = {
     "x_unit": "m",
     "height_unit": "m",
     "detrend": "tilt",
-    "missing": "refuse",
     "max_gap": 5,
     "missing_value": -9999.0,
     "line": 1,
@@ -223,7 +222,7 @@ numbers = (
 )
 anything = st.none() | never | arrays_of_none | numbers | st.just(PROFILE) | st.just([PROFILE])
 
-NAMES = {"method", "quantity", "study", "path", "source", "ends", "detrend", "missing", "across"}
+NAMES = {"method", "quantity", "study", "path", "source", "ends", "detrend", "across"}
 UNITS = {"unit", "x_unit", "height_unit"}
 NOT_NUMBERS = {"profile", "surface", "subject", "trace", "topography", "data", "contact_edges", *NAMES, *UNITS}
 TEXT_TOO = {"gamma"}

@@ -83,7 +83,7 @@ def test_one_column_has_its_length_in_the_unit_that_is_given(run, column):
     of_column = ["solve", "--trace", column, "--length", "1.0", "--x-unit", "mm", "--loads", "0.1"]
     assert "heights must have a unit: name it, as in height_unit" in run(*of_column)[2]
     assert "got -9999 at 2 of 200 places, first at height 51" in run(*of_column, "--height-unit", "um")[2]
-    filled = ["--missing-value", "-9999", "--missing", "interpolate", "--max-gap", "2", "--detrend", "form"]
+    filled = ["--missing-value", "-9999", "--max-gap", "2", "--detrend", "form"]
     code, out, errors = run(*of_column, "--height-unit", "um", *filled)
     assert code == 0, errors
     printed = json.loads(out)

@@ -33,9 +33,7 @@ def greatest(band, q):
         return -log_likelihood(band, np.exp(p[0] - p[1] * q))
 
     start = [float(np.log(band.variance.mean())) + 2 * q.mean(), 2.0]
-    found = scipy.optimize.minimize(
-        negative, start, method="Nelder-Mead", options={"xatol": 1e-6, "fatol": 1e-6, "maxiter": 4000}
-    )
+    found = scipy.optimize.minimize(negative, start, method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-4})
     return -found.fun, found.x[1]
 
 
@@ -95,7 +93,7 @@ def test_laws_have_the_exponents_of_rough_surfaces(beta, is_law):
 
 
 def test_power_laws_seldom_have_bends():
-    gains = [likeliest_bend(random_spectrum(lambda k: k**-2.2, 2.0, seed), 4.0).gain for seed in range(100)]
+    gains = [likeliest_bend(random_spectrum(lambda k: k**-2.2, 2.0, seed), 4.0).gain for seed in range(50)]
     assert np.mean(np.array(gains) > bends.MIN_BEND_GAIN) < 0.12
     assert np.max(gains) < bends.CERTAIN_BEND_GAIN + 3
 

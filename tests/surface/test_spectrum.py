@@ -89,9 +89,9 @@ def coverage(off, stated):
 def test_random_surfaces_have_the_stated_errors(ends, D, rolls_off, quick):
     """On the default band, whether the law ends at its longest wavelength or goes on above the length.
 
-    Of 150 fits, the standard errors of the two parts are 0.04 and 0.02.
+    Of 100 fits, the standard errors of the two parts are 0.05 and 0.02.
     """
-    random, samples, lines, scale = np.random.default_rng(11), 600, 150, 1e-8
+    random, samples, lines, scale = np.random.default_rng(11), 600, 100, 1e-8
     off_D, stated_D, off_g_0, stated_g_0, narrowed = [], [], [], [], 0
     for _ in range(lines):
         z, density = random_line(D, samples, random, 1 / 4 if rolls_off else 8, 1 if ends == "periodic" else 8)
@@ -123,7 +123,7 @@ def test_random_surfaces_have_the_stated_errors(ends, D, rolls_off, quick):
 @pytest.mark.parametrize(
     ("D", "rolloff", "smooth", "ends"),
     [
-        (1.3, 0.5e-3, False, "mirrored"),
+        pytest.param(1.3, 0.5e-3, False, "mirrored", marks=pytest.mark.slow),
         (1.3, 0.1e-3, False, "mirrored"),
         (1.3, 0.3e-3, True, "mirrored"),
         pytest.param(1.7, 0.1e-3, False, "periodic", marks=pytest.mark.slow),
@@ -210,14 +210,14 @@ def test_a_scratch_that_decides_on_the_fit_is_reported():
     clean = fit(Trace(line, 2e-3, height_unit="um"))
     scratch = -4 * np.exp(-(((x - 730.3) / 2.5) ** 2))
     with pytest.warns(
-        UserWarning, match=r"heights from x = 0\.0007 to 0\.0008 m, .* decide on D: it is .* without"
+        UserWarning, match=r"heights from x = 0\.0007 to 0\.0008 m, .* decide on the fit: D is .* without"
     ) as told:
         spoilt = fit(Trace(line + scratch, 2e-3, height_unit="um"))
     assert 2 * clean.D_error < spoilt.D - clean.D
-    without = float(re.search(r"and (\S+) without", str(told[0].message))[1])
+    without = float(re.search(r"and (\S+) without, g_0", str(told[0].message))[1])
     assert without == pytest.approx(clean.D, abs=clean.D_error)
     gone = np.where(np.abs(x - 730.3) < 8, np.nan, line + scratch)
-    mended = fit(Trace(gone, 2e-3, height_unit="um", missing="interpolate", max_gap=20))
+    mended = fit(Trace(gone, 2e-3, height_unit="um", max_gap=20))
     assert pytest.approx(clean.D, abs=clean.D_error / 2) == mended.D
 
 
@@ -229,12 +229,14 @@ def test_a_scratch_that_changes_g_0_alone_is_reported():
     walk /= walk.std()
     clean = fit(Trace(walk, 2e-3, x_unit="m", height_unit="nm"))
     scratch = 20 * np.where((x >= 2010) & (x < 2050), np.sin(np.pi * (x - 2010) / 40) ** 2, 0)
-    with pytest.warns(UserWarning, match=r"from x = 0\.001 to 0\.0011 m, .* decide on g_0: it is .* without") as told:
+    with pytest.warns(
+        UserWarning, match=r"from x = 0\.001 to 0\.0011 m, .* decide on the fit: D is .* without"
+    ) as told:
         spoilt = fit(Trace(walk - scratch, 2e-3, x_unit="m", height_unit="nm"))
     assert told[0].filename == __file__
     assert abs(spoilt.D - clean.D) < clean.D_error
     assert spoilt.g_0 > 2 * clean.g_0
-    without = float(re.search(r"and (\S+) m without", str(told[0].message))[1])
+    without = float(re.search(r"m and (\S+) m[.] Is", str(told[0].message))[1])
     assert without == pytest.approx(clean.g_0, abs=clean.g_0_error)
 
 
@@ -248,21 +250,6 @@ def test_a_scratch_that_leaves_no_power_law_is_named_in_the_error(start, says):
     scratch = 30 * line.std() * np.where((x >= 0) & (x < 200), np.sin(np.pi * x / 200) ** 2, 0)
     with pytest.raises(ValueError, match=rf"beta between 1 and 3, got 3\.\d+ from .*: the heights from x = {says}"):
         fit(Trace((line - scratch) / line.std(), 2e-3, x_unit="m", height_unit="um"))
-
-
-def test_missing_heights_that_are_filled_move_a_fit_little():
-    """A tenth of the heights, in runs of five: the straight lines lack the finest waves."""
-    random = np.random.default_rng(1)
-    line = random_line(1.25, 2000, random, 1 / 4)[0]
-    gone = np.zeros(2000, bool)
-    for start in random.choice(np.arange(10, 1980, 10), 40, replace=False):
-        gone[start : start + 5] = True
-    whole, filled = (
-        fit(Trace(z / line.std(), 2e-3, height_unit="um", missing="interpolate"))
-        for z in (line, np.where(gone, np.nan, line))
-    )
-    assert abs(filled.D - whole.D) < 0.5 * whole.D_error
-    assert filled.g_0 == pytest.approx(whole.g_0, rel=0.02)
 
 
 def test_the_fit_gives_a_profile():
@@ -379,7 +366,7 @@ def test_columns_of_fits_have_reasons_and_catch_warnings():
     assert np.isnan(found["trace_fit_lambda_0"]).tolist() == [False, True, False, True, True]
     remarks = found["trace_fit_remark"].tolist()
     assert remarks[:2] == ["", ""]
-    assert "decide on D" in remarks[2]
+    assert "decide on the fit" in remarks[2]
     assert "beta between 1 and 3" in remarks[3]
     assert "longest must lie between" in remarks[4]
     assert list(fit_columns([])) == list(found)

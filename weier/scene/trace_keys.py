@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING, REFUSE
+from weier.surface.measured.artefacts import DETREND
 from weier.surface.measured.instruments import AXES
 from weier.surface.measured.lines import UNITS
 from weier.surface.measured.trace import ENDS, MIRRORED
@@ -47,8 +47,7 @@ TRACE_KEYS = {
         DETREND,
         "Component removed from the heights: mean, tilt (a straight line, the default) or form (a parabola).",
     ),
-    "missing": TraceKey(MISSING, f"Treatment of missing heights; {REFUSE} by default."),
-    "max_gap": TraceKey(int, f"Longest run of missing heights that is interpolated; {MAX_GAP} by default."),
+    "max_gap": TraceKey(int, "Longest run of missing heights that is interpolated; 0, the default, refuses any."),
     "missing_value": TraceKey(object, "Numbers for missing heights, in the unit of the heights.", several=True),
     "line": TraceKey(int, "Index of the line of a map, from 0; with across alone, each line is a case."),
     "across": TraceKey(AXES, "Axis of the lines of a map, across its grooves."),

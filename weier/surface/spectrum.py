@@ -395,20 +395,16 @@ def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
         without[:, part] = own, math.log(variance.sum() / variances.sum()) / 2
     shift = without - np.median(without, axis=1, keepdims=True)
     over_error = np.abs(shift) / law.errors[:, np.newaxis]
-    quantity, at = np.unravel_index(int(over_error.argmax()), shift.shape)
-    if not over_error[quantity, at] > DOMINANCE_DEVIATIONS:
+    at = int(over_error.max(axis=0).argmax())
+    if not over_error[:, at].max() > DOMINANCE_DEVIATIONS:
         return ""
     x = np.array(windows[at]) / trace.samples * trace.lambda_0
-    D_error, g_0_error = law.errors.tolist()
-    if quantity == 0:
-        what = f"D: it is {law.D:.3g} +- {D_error:.1g} with them and {law.D + shift[0, at]:.3g} without"
-    else:
-        gone = law.g_0 * math.exp(shift[1, at])
-        what = f"g_0: it is {law.g_0:.3g} +- {law.g_0 * g_0_error:.1g} m with them and {gone:.3g} m without"
+    (D_error, g_0_error), (D_shift, g_0_shift) = law.errors.tolist(), shift[:, at].tolist()
     return (
-        f"the heights from x = {x[0]:.4g} to {x[1]:.4g} m, a {PARTS // width}th of the line, decide on {what}. Is "
-        "there a scratch or dust? Cut the line there, or write the heights as missing, nan, and say "
-        'missing="interpolate"'
+        f"the heights from x = {x[0]:.4g} to {x[1]:.4g} m, a {PARTS // width}th of the line, decide on the fit: D is "
+        f"{law.D:.3g} +- {D_error:.1g} with them and {law.D + D_shift:.3g} without, g_0 {law.g_0:.3g} +- "
+        f"{law.g_0 * g_0_error:.1g} m and {law.g_0 * math.exp(g_0_shift):.3g} m. Is there a scratch or dust? Cut the "
+        "line there, or write the heights as missing, nan, and say max_gap="
     )
 
 

@@ -131,13 +131,10 @@ SENTINEL = np.where(np.isin(N, [5, 6, 50]), -9999, BASE)
     ],
 )
 def test_missing_heights_are_refused_with_their_count_and_filled_where_that_is_asked_for(z, more):
-    with pytest.raises(
-        ValueError, match=r"^3 of 200 heights are missing, the first is height 6, at most 2 adjacent: say"
-    ) as it:
+    says = "^3 of 200 heights are missing, the first is height 6, at most 2 adjacent, from height 6: say max_gap=2 to"
+    with pytest.raises(ValueError, match=says):
         trace(z, **more)
-    assert 'missing="interpolate"' in str(it.value)
-    assert "leave" not in str(it.value)
-    filled = trace(z, missing="interpolate", **more)
+    filled = trace(z, max_gap=5, **more)
     straight = np.interp(N, np.delete(N, [5, 6, 50]), np.delete(BASE, [5, 6, 50]))
     assert filled.g_0 == pytest.approx(trace(straight).g_0, rel=1e-6)
     assert filled.filled == 3
@@ -149,27 +146,22 @@ def test_missing_heights_are_refused_with_their_count_and_filled_where_that_is_a
 def test_only_short_runs_inside_the_line_are_filled():
     z = BASE.copy()
     z[100:109] = np.nan
-    with pytest.raises(ValueError, match='say missing="interpolate", max_gap=9 to fill'):
-        trace(z)
-    with pytest.raises(
-        ValueError, match="the longest run begins at height 101, take a part of the trace or a larger"
-    ):
-        trace(z, missing="interpolate")
-    assert trace(z, missing="interpolate", max_gap=9).filled == 9
+    for max_gap in (0, 8):
+        with pytest.raises(ValueError, match="9 adjacent, from height 101: say max_gap=9 to fill"):
+            trace(z, max_gap=max_gap)
+    assert trace(z, max_gap=9).filled == 9
     with pytest.raises(ValueError, match="all 200 heights are missing"):
         trace(np.full(200, np.nan))
-    with pytest.raises(ValueError, match="missing must be one of refuse, interpolate, got 'drop'"):
-        trace(BASE, missing="drop")
-    with pytest.raises(ValueError, match="max_gap must be a whole number, at least 1, got 0"):
-        trace(BASE, max_gap=0)
+    with pytest.raises(ValueError, match="max_gap must be a whole number, at least 0, got -1"):
+        trace(BASE, max_gap=-1)
 
 
 def test_where_heights_are_missing_at_the_ends_the_trace_is_cut_off():
     z = BASE.copy()
     z[[0, 1, 2, 3, 4, 5, 6, 50, 199]] = np.nan
-    with pytest.raises(ValueError, match=r"9 of 200 .* first is height 1, at most 1 adjacent, 8 of them at the ends"):
+    with pytest.raises(ValueError, match=r"9 of 200 .* at most 1 adjacent, from height 51, 8 of them at the ends"):
         trace(z)
-    cut = trace(z, missing="interpolate")
+    cut = trace(z, max_gap=5)
     filled = np.interp(N[7:199], N[~np.isnan(z)], z[~np.isnan(z)])
     expected = Trace(filled, 1e-3 * 192 / 200, height_unit="um")
     assert cut.filled == 1
@@ -177,7 +169,7 @@ def test_where_heights_are_missing_at_the_ends_the_trace_is_cut_off():
     assert cut.lambda_0 == pytest.approx(0.96e-3, rel=1e-12)
     np.testing.assert_allclose(cut.amplitude * cut.g_0, expected.amplitude * expected.g_0, rtol=1e-9, atol=1e-18)
     with pytest.raises(ValueError, match="heights must be a whole period, got 8 that are missing at its ends"):
-        trace(z, missing="interpolate", ends="periodic")
+        trace(z, max_gap=5, ends="periodic")
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.5, 3.0])

@@ -35,7 +35,7 @@ class Topography:
 
 
 def assert_same(trace, z, length):
-    expected = Trace(z, length, height_unit="um", missing="interpolate")
+    expected = Trace(z, length, height_unit="um", max_gap=5)
     assert trace.lambda_0 == pytest.approx(expected.lambda_0, rel=1e-14)
     assert trace.shortest == pytest.approx(expected.shortest, rel=1e-14)
     np.testing.assert_allclose(trace.amplitude * trace.g_0, expected.amplitude * expected.g_0, rtol=1e-12, atol=1e-20)
@@ -91,7 +91,7 @@ def test_masked_heights_are_missing_and_a_line_that_is_wrong_is_named():
     assert [line.line for line in lines] == [*range(7), *range(8, 40)]
     with pytest.raises(ValueError, match="line y 0: heights must have a unit"):
         Trace.of(Topography(MAP, (400.0, 160.0), None), across="y")
-    lines = Trace.of(topography, across="x", missing="interpolate")
+    lines = Trace.of(topography, across="x", max_gap=5)
     assert [line.filled for line in lines] == [2 if number == 7 else 0 for number in Y]
 
 

@@ -17,15 +17,13 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from weier import units
-from weier.checks import checked_count, checked_number, checked_numbers, checked_word
-from weier.kernels.arrays import Array, Flags
+from weier.checks import checked_count, checked_number, checked_numbers
+from weier.kernels.arrays import Array
 
 # Fewer heights say too little about a spectrum. The upper limit bounds time and memory.
 MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
-REFUSE, INTERPOLATE = MISSING = ("refuse", "interpolate")
 MEAN, TILT, FORM = DETREND = ("mean", "tilt", "form")
 DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # degree of the polynomial that each word removes
-MAX_GAP = 5  # default number of adjacent missing heights that are interpolated
 NORMAL_MEDIAN = 0.6745  # median magnitude of a normal distribution, in standard deviations
 # A code for missing heights recurs exactly as the lowest or highest value, ten standard deviations from the median of
 # the others, and none of these lies within 0.6 of this distance from it, unlike in a groove with its flanks.
@@ -72,41 +70,32 @@ def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None
     return z
 
 
-def without_gaps(z: Array, missing: str, max_gap: int, place: Callable[[int], str]) -> tuple[Array, int]:
-    """Return the heights with short runs of missing ones interpolated linearly, and the number of these.
+def without_gaps(z: Array, max_gap: int, place: Callable[[int], str]) -> tuple[Array, int]:
+    """Return the heights with runs of missing ones interpolated linearly, and the number of these.
 
-    The trace is cut off where heights at its ends are missing.
-
-    Raises
-    ------
-    ValueError
-        If some are missing and `missing` is "refuse", or if more than `max_gap` adjacent heights are missing inside
-        the trace. The message has their number, the longest run, and the remedy.
+    The trace is cut off where heights at its ends are missing. A run that is longer than `max_gap` is refused, and so
+    are all missing heights if that is 0.
     """
-    checked_word("missing", missing, MISSING)
-    checked_count("max_gap", max_gap, 1)
-    gaps = np.isnan(z)
-    if not gaps.any():
+    checked_count("max_gap", max_gap, 0)
+    known = np.flatnonzero(~np.isnan(z))
+    if known.size == z.size:
         return z, 0
-    if gaps.all():
+    if not known.size:
         raise ValueError(f"all {z.size} heights are missing")
-    known = np.flatnonzero(~gaps)
-    starts, lengths = _runs(gaps[known[0] : known[-1] + 1])
-    inside = int(lengths.sum())
-    longest = int(lengths.max(initial=0))
-    cut = int(gaps.sum()) - inside
-    summary = f"{gaps.sum()} of {z.size} heights are missing, the first is {place(int(gaps.argmax()))}"
-    summary += f", at most {longest} adjacent" * (longest > 0) + f", {cut} of them at the ends" * (cut > 0)
-    if missing == REFUSE:
-        need = f", max_gap={longest}" if longest > MAX_GAP else ""
-        remedy = "fill them on straight lines" + " and cut off the ends" * (cut > 0)
-        raise ValueError(f'{summary}: say missing="interpolate"{need} to {remedy}, or take a part of the trace')
-    if longest > max_gap:
-        at = place(int(known[0] + starts[lengths.argmax()]))
-        raise ValueError(f"{summary}: the longest run begins at {at}, take a part of the trace or a larger max_gap")
+    gaps = np.diff(known) - 1
+    inside, longest = int(gaps.sum()), int(gaps.max(initial=0))
+    if longest > max_gap or max_gap == 0:
+        first = int(np.isnan(z).argmax())
+        cut = z.size - known.size - inside
+        summary = f"{z.size - known.size} of {z.size} heights are missing, the first is {place(first)}"
+        summary += f", at most {longest} adjacent, from {place(int(known[gaps.argmax()]) + 1)}" * (longest > 0)
+        raise ValueError(
+            f"{summary}{f', {cut} of them at the ends' * (cut > 0)}: say max_gap={max(longest, 1)} to fill them on "
+            f"straight lines{' and cut off the ends' * (cut > 0)}, or take a part of the trace"
+        )
     within = np.arange(known[0], known[-1] + 1)
     if within.size < MIN_HEIGHTS:
-        raise ValueError(f"{summary}: {within.size} are left, and heights must be {MIN_HEIGHTS} at least")
+        raise ValueError(f"heights must be {MIN_HEIGHTS} at least without missing ends, got {within.size}")
     return np.interp(within, known, z[known]), inside
 
 
@@ -201,7 +190,7 @@ def _refuse_jump(kind: str, at: int, width: int, size: float, step: float, other
     more = f", and {others} more jumps from one height to the next" if others > 1 else ""
     raise ValueError(
         f"heights must not jump, got a {kind} of {size:.3g} m {where}{more}: cut the trace there, or write what is "
-        'between as missing, nan, and say missing="interpolate"'
+        "between as missing, nan, and say max_gap="
     )
 
 
@@ -241,12 +230,6 @@ def warn_about_form(level: Array) -> None:
             f'times as high as its roughness, {rough:.3g} m: say detrend="form" for the roughness alone',
             stacklevel=4,
         )
-
-
-def _runs(flags: Flags) -> tuple[Any, Any]:
-    """Return the start and length of each run of flags."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
-    return edges[::2], edges[1::2] - edges[::2]
 
 
 def _is_missing(height: Any) -> bool:

@@ -71,11 +71,9 @@ class Trace(Waves):
     detrend : "mean", "tilt" or "form", optional
         Component removed by least squares: the mean, a straight line (default) or a parabola, the form of a cylinder
         measured around its axis. A periodic trace has neither tilt nor form.
-    missing : "refuse" or "interpolate"
-        Treatment of missing heights: refused, with their number and the longest run (default); or interpolated, and
-        trimmed at the ends.
     max_gap : int
-        Largest number of adjacent missing heights that are interpolated linearly.
+        Largest number of adjacent missing heights that are interpolated linearly, while missing ends are trimmed; 0,
+        the default, refuses missing heights with their number and the longest run.
     missing_value : float or list of float, optional
         Numbers for missing heights, such as -9999, in the unit of the heights.
 
@@ -144,8 +142,7 @@ class Trace(Waves):
         x_unit: str | None = None,
         height_unit: str | None = None,
         detrend: str | None = None,
-        missing: str = measured.REFUSE,
-        max_gap: int = measured.MAX_GAP,
+        max_gap: int = 0,
         missing_value: float | Sequence[float] | None = None,
     ) -> None:
         if isinstance(heights, str | Path):
@@ -159,7 +156,7 @@ class Trace(Waves):
         z = measured.with_gaps(one.heights, missing_value)
         length_units = {"unit": unit, "x_unit": x_unit}
         length, given = _length(one, length, length_units), z.size
-        z, filled = measured.without_gaps(z, missing, max_gap, one.place)
+        z, filled = measured.without_gaps(z, max_gap, one.place)
         if z.size < given:
             if ends == PERIODIC:
                 raise ValueError(f"heights must be a whole period, got {given - z.size} that are missing at its ends")
@@ -263,7 +260,7 @@ class Trace(Waves):
         decimal : "." or ",", optional
             The sign before decimals in a file of text.
         **options
-            `unit`, `detrend`, `missing`, `max_gap`, `missing_value` and `source`, as of a trace.
+            `unit`, `detrend`, `max_gap`, `missing_value` and `source`, as of a trace.
 
         Returns
         -------
