@@ -4,8 +4,8 @@ import signal
 
 import pytest
 
-# Minutes of work, so that nothing runs beside idle processes at the end: they run programs and compile nothing.
-LONGEST = ("test_pipeline.py", "test_faults.py", "test_docs.py")
+# A minute each, so that no process is idle at the end. The first compiles kernels while the second runs programs.
+LONGEST = ("test_docs.py", "test_pipeline.py", "test_faults.py")
 
 
 def pytest_collection_modifyitems(items):

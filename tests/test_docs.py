@@ -7,7 +7,6 @@ import runpy
 import shutil
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -20,12 +19,10 @@ from weier import scene
 from weier.api import batch
 from weier.data import variables
 from weier.data.variables import Check
-from weier.figures import KINDS
 from weier.methods import registry
 from weier.pipeline import claims
 from weier.pipeline.claims import paper
 from weier.pipeline.claims.claim import cases_of, judge
-from weier.scene import __main__ as scene_keys
 
 
 @pytest.mark.parametrize(
@@ -92,17 +89,6 @@ def test_the_python_of_the_readme_runs(capsys, tmp_path, monkeypatch):
 
 def test_what_python_offers_is_what_is_public():
     assert dir(weier) == sorted(weier.__all__)
-
-
-def test_the_readme_names_what_there_is():
-    text = Path("README.md").read_text(encoding="utf-8")
-    assert re.findall(r'^\| `"(\w+)"` \|', text, re.M) == registry.names()
-    rooms = {path.parent.name for path in Path("weier").glob("*/__init__.py")}
-    listed = re.findall(r"^\| `weier/(\w+)/` \|", Path("CONTRIBUTING.md").read_text(encoding="utf-8"), re.M)
-    assert set(listed) == rooms
-    pictures = re.findall(r'src="([^"]*)"', text)
-    assert pictures
-    assert [path for path in pictures if not Path(path).is_file()] == []
 
 
 def examples(language):
@@ -225,28 +211,6 @@ def test_formulae_need_no_network(site):
     assert (site / "_static/mathjax/tex-chtml.js").stat().st_size > 10**5
     assert interface(site).count('class="math') > 20
     assert "\\begin{cases}" in page(site, "api/estimates")
-
-
-def test_every_key_of_a_scene_and_kind_of_figure_is_listed(site):
-    text = page(site, "scenes")
-    known = {key for part in scene_keys.PARTS.values() for key in tuple(part.keys())}
-    cells = re.findall(r"<td><p><code[^>]*>(.*?)</code>", text)
-    listed = {re.sub("<[^>]*>", "", cell) for cell in cells}
-    assert known | set(KINDS) <= listed
-    assert text.count("<table") == len(scene_keys.PARTS) + 1
-
-
-def test_all_that_is_public_is_described(site):
-    text = interface(site)
-    public = {f"weier.{name}" for name in weier.__all__ if not name.startswith("_")}
-    public |= {
-        "weier.methods.method.Method",
-        "weier.methods.auto.Choice",
-        "weier.scene.Scene",
-    }
-    modules = {f"weier.methods.{name}" for name in registry.names()}
-    public |= {f"{name}.curve" for name in modules if hasattr(import_module(name), "curve")}
-    assert {name for name in public if f'id="{name}"' not in text} == set()
 
 
 def test_the_glossary_has_all_variables_and_public_names(site):

@@ -8,7 +8,7 @@ import pytest
 
 from tests.signals import HANDLER_ERRORS, interrupting
 from weier import Profile
-from weier.accuracy.runner import Outcome, Variant, attempt, run
+from weier.accuracy.runner import Outcome, Variant, attempt
 from weier.methods import registry, westergaard
 from weier.methods.curve import Curve
 from weier.methods.errors import ConvergenceError
@@ -29,7 +29,6 @@ def raising(error):
     return Method("raising", "raising", "raises an error", solve)
 
 
-FIRST_WAVE = Method("first wave", "first wave", "the first wave alone", solve_first_wave)
 ONE, LOADS = Profile(1.25, 5, 1), np.array([1e-3, 0.1, 1.0])
 
 
@@ -42,15 +41,6 @@ def listed(monkeypatch):
         return Variant(method.name, method.name, {})
 
     return listing
-
-
-def test_a_run_is_the_curve_with_its_cost(listed):
-    found = run(Variant("x", listed(FIRST_WAVE).method, {"factor": 0.5}), ONE, LOADS)
-    assert found.values[0].tolist() == (0.5 * westergaard.compliance(LOADS)).tolist()
-    assert np.isnan(found.stated).all()
-    assert found.outcome.tolist() == [Outcome.finite] * 3
-    assert found.seconds >= 0
-    assert attempt(Variant("bem", "bem", {"points_per_wave": 64}), ONE, LOADS).others["points"] == 64
 
 
 @pytest.mark.parametrize(

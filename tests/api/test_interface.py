@@ -65,16 +65,6 @@ def test_several_surfaces_are_cases_with_common_pressures(tmp_path):
         assert again.resistance.values.tolist() == found.resistance.values.tolist()
 
 
-@pytest.mark.parametrize("method", [["demelio", "patches"], "demelio"])
-def test_series_take_any_method(method):
-    found = SCALED.solve(SERIES, 1e7, method)
-    expected = SCALED.in_si(weier.solve(SERIES, SCALED.normalised_pressure([1e7]), method))
-    found, expected = (
-        data.drop_vars("key", errors="ignore") for data in (found, expected)
-    )  # it depends on the loads
-    assert found.compliance.equals(expected.compliance.assign_coords(mean_pressure=found.mean_pressure))
-
-
 def test_pressures_may_have_a_unit():
     found = BODIES.solve(LINE, xr.DataArray([10.0], attrs={"units": "MPa"}))
     assert (found.mean_pressure.values.tolist(), found.mean_pressure.units) == ([10.0], "MPa")

@@ -2,8 +2,6 @@
 
 import pytest
 
-from weier.cli import options
-
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2"]
 SOLVE = ["solve", *PROFILE]
 
@@ -12,7 +10,7 @@ WRONG_USAGE = [
     ([*SOLVE, "--loads", "-1"], "mean_pressure must be positive, got -1.0"),
     ([*SOLVE, "--set", "bem"], 'must read "method.name=value"'),
     (["solve", "--trace", "shaft.csv", "-D", "1.5"], "a trace has no D: take --trace or a series"),
-    (["solve", "--length", "1e-3"], "--length is of a trace: name its file by --trace"),
+    (["solve", "--length", "1e-3"], "--length is an option of traces: name a file by --trace"),
     ([*SOLVE, "--pressures", "1MPa"], "--pressures are in Pa: name the two bodies by --si"),
 ]
 
@@ -44,11 +42,3 @@ def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
     assert (code, out) == (1, "")
     assert last.startswith("weier: ")
     assert message in last
-
-
-def test_pressures_without_a_unit_are_said_to_be_in_pascal(capsys):
-    values, unit = options.parse_pressures("1e6,1e7")
-    assert (values.tolist(), unit) == ([1e6, 1e7], "")
-    assert "taken in Pa, since no unit is given" in capsys.readouterr().err
-    assert options.parse_pressures("1,10MPa")[0].tolist() == [1e6, 1e7]
-    assert capsys.readouterr().err == ""

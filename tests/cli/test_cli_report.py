@@ -66,15 +66,6 @@ def test_numbers_are_rounded_to_the_digits_that_errors_leave(value, error, expec
     assert report._rounded(value, error) == expected
 
 
-def test_one_line_has_no_percentiles(run, lines):
-    assert run("report", "a.csv", *PRESSURES, "-o", "one.csv")[0] == 0
-    assert list(pd.read_csv("one.csv"))[:3] == [
-        "mean pressure (MPa)",
-        "resistance (ohm m^2)",
-        "resistance, numerical error (ohm m^2)",
-    ]
-
-
 def test_all_columns_are_of_each_line(run, lines):
     assert run("report", *FILES, *PRESSURES, "--all", "-o", "all.csv")[0] == 0
     table = pd.read_csv("all.csv")

@@ -1,10 +1,6 @@
 """Tables of Markdown, text that a reader of it sees as written, and numbers with few digits."""
 
-from weier.data.markdown import plain, significant
-
-
-def test_plain_text_neither_ends_a_cell_nor_turns_slanted():
-    assert plain("|gap| in g_0, p in p_0*") == r"\|gap\| in g\_0, p in p\_0\*"
+from weier.data.markdown import significant
 
 
 def test_numbers_are_written_in_full_unless_they_are_too_long():

@@ -97,29 +97,6 @@ def test_a_selection_that_is_no_curve_any_more_is_refused():
         solved().stack(row=("case", "mean_pressure")).weier.table()
 
 
-def test_names_of_files_may_have_commas():
-    z = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
-    names = ["map.x3p, x 1", "side A.csv", "a, side A.csv"]
-    traces = [weier.Trace(z, length / 4, unit="m", source=name) for length, name in enumerate(names, start=1)]
-    curves = weier.solve(traces, [0.1], ["bem"])
-    for length, name in enumerate(names, start=1):
-        assert curves.weier.cases(trace=name).trace_length.values.tolist() == [length / 4]
-    with pytest.raises(ValueError, match=r"no case has trace = 'map.x3p': choose from a, side A.csv, map.x3p, x 1"):
-        curves.weier.cases(trace="map.x3p")
-
-
-@pytest.mark.parametrize(
-    ("labels", "message"),
-    [
-        ({"D": 1.3}, r"no case has D = 1.3: choose from 1.25, 1.5"),
-        ({"mean_pressure": 2.0}, "there is no label 'mean_pressure' of cases: select by .*D, gamma, m"),
-    ],
-)
-def test_an_unknown_label_says_what_is_there(path, labels, message):
-    with pytest.raises(ValueError, match=message):
-        keys(path, **labels)
-
-
 def test_what_is_written_over_a_file_that_was_read_is_read(path, tmp_path):
     """netCDF refuses to write what is open, and xarray keeps what it has read."""
     mine = shutil.copyfile(path, tmp_path / "mine.nc")

@@ -1,18 +1,13 @@
 """Small matrices are solved on one thread, and the process gets its threads back."""
 
-from concurrent.futures import ThreadPoolExecutor
-from threading import Event
-
 import numpy as np
 import pytest
 import scipy.linalg  # noqa: F401 - it loads a BLAS of its own, whose threads are counted here, too
 from threadpoolctl import OpenBLASController, threadpool_info, threadpool_limits
 
 import weier
-from weier.kernels.blas import one_thread
 from weier.methods.patches import given_edges
 
-PATIENCE = 60  # seconds
 LOADS = np.array([0.05, 0.5])
 
 
@@ -40,25 +35,4 @@ def test_the_dense_solver_takes_one(monkeypatch):
     weier.solve(weier.Profile(D=1.25, gamma=5, m=1), LOADS, "patches")
     assert seen
     assert all(threads_seen == {1} for threads_seen in seen)
-    assert threads() == {2}
-
-
-def test_a_thread_that_leaves_first_does_not_give_the_others_two():
-    second_in, first_out, seen = Event(), Event(), []
-
-    def first():
-        with one_thread:
-            assert second_in.wait(PATIENCE)
-        first_out.set()
-
-    def second():
-        with one_thread:
-            second_in.set()
-            assert first_out.wait(PATIENCE)
-            seen.append(threads())
-
-    with ThreadPoolExecutor(2) as pool:
-        for job in [pool.submit(first), pool.submit(second)]:
-            job.result()
-    assert seen == [{1}]
     assert threads() == {2}

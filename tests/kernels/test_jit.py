@@ -105,6 +105,15 @@ def test_kernels_are_made_of_the_folders_that_name_the_cache():
             assert [name for name in imported if not name.startswith(inside)] == [], path
 
 
+# Each run of Snakemake waits for the imports of its rules.
+WORKFLOW = """
+from functools import partial
+from weier.figures.scene_checks import load_by_name
+from weier.pipeline.workflow import Plan
+Plan(("minimal",), partial(load_by_name, folder="config/scenes"), 1, lambda: False).all_files(None)
+"""
+
+
 def test_a_program_imports_what_it_uses():
     """The heavy packages, by what a program does; numba, xarray and pandas take a second."""
     heavy = ["bokeh", "matplotlib", "mpmath", "netCDF4", "numba", "pandas", "rocket_fft", "scipy.special", "xarray"]
@@ -116,8 +125,9 @@ def test_a_program_imports_what_it_uses():
         f"{closed_forms}; find_method('westergaard').solve(weier.Profile(D=1.25, gamma=5, m=1), np.array([0.1]))": [],
         "import weier; weier.solve": ["pandas", "xarray"],
         command: [],
+        WORKFLOW: [],
     }
     for program, expected in programs.items():
-        code = f"{program}; import sys; print('\\n', *sorted(sys.modules.keys() & set({heavy})))"
+        code = f"{program}\nimport sys; print('\\n', *sorted(sys.modules.keys() & set({heavy})))"
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert done.stdout.splitlines()[-1].split() == expected, program

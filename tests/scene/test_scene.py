@@ -107,43 +107,25 @@ def test_one_mistake_is_one_line_with_the_file_and_the_key(tmp_path, changes, me
 
 
 FAULTY = """title: test
-method: [layer]
 loads: {from: 1.0e-3, to: 4, n: 30}
+methods: [layer]
 studies:
-  one:
-    product: &p {D: 2.5, gama: 5, m: 0}
-    settings: {bme: {points_per_wave: many}}
-  two:
-    product: {<<: *p, gamma: 1}
-    methods: [bme]
-settings: {bem: {points_per_wave: many}}
+  one: {product: &p {D: 2.5, gamma: 5, m: 0}}
+  two: {product: {<<: *p, gamma: 1}}
 figures:
-  f:
-    draw: compliance
-    colour: gama
-  g: {draw: compliances}
+  f: {draw: compliance, colour: gama}
 """
 
 
 def test_all_mistakes_are_reported_together_with_their_lines(tmp_path):
-    """Those of keys and single values, by pydantic."""
     path = tmp_path / "scene.yaml"
     path.write_text(FAULTY)
     with pytest.raises(scene.SceneError) as caught:
         load_scene(path)
-    head, *listed = str(caught.value).splitlines()
-    places = [re.match(r"  line (\d+): ([^:]+): ", line).groups() for line in listed]
-    assert head == f"{path} has {len(listed)} mistakes:"
-    assert places == [
-        ("2", "method"),
-        *[("3", "loads.count"), ("3", "loads.n")],
-        *(("6", f"studies.one.product.{key}") for key in ("D", "gama", "gamma", "m")),
-        *(("6", f"studies.two.product.{key}") for key in ("D", "gama", "m")),
-        ("7", "studies.one.settings.bme"),
-        ("9", "studies.two.product.gamma"),
-        ("10", "studies.two.methods.0"),
-        ("15", "figures.f.colour"),
-    ]
+    places = re.findall(r"^  line (\d+): ([^:]+): ", str(caught.value), re.M)
+    products = [("5", "one.product.D"), ("5", "one.product.m"), ("5", "two.product.D"), ("5", "two.product.m")]
+    studies = [(line, f"studies.{key}") for line, key in [*products, ("6", "two.product.gamma")]]
+    assert sorted(places) == sorted([("2", "loads.count"), ("2", "loads.n"), *studies, ("8", "figures.f.colour")])
 
 
 def test_the_table_of_keys_is_that_of_the_models(tmp_path):

@@ -6,7 +6,6 @@ import pytest
 from tests.scenes import scene_in
 from weier import scene
 from weier.scene.case import short_keys
-from weier.scene.identity import distinct
 
 AXES = {"D": [1.25, 1.5], "gamma": [2, "5/2", 3], "m": [1, 2, 3], "seed": [0, 1]}
 # Products that meet in some cases, repeat a value, or differ in nothing but methods or settings.
@@ -38,16 +37,6 @@ def test_keys_of_products_are_those_of_their_cases(overlapping):
         assert short_keys(product.case_keys) == [case.key(LOADS) for case in cases]
         assert np.array_equal(product.surface_keys, [case.surface_key for case in cases])
         assert len({case.key(LOADS) for case in cases}) == len({repr(case) for case in cases})
-
-
-@pytest.mark.parametrize("count", [0, 1, 500])
-def test_distinct_keys_are_numbered_in_their_order(count):
-    random = np.random.default_rng(1)
-    table = random.integers(0, 30, count).astype(np.uint64)  # so few values that many keys are equal
-    first, number = distinct(table)
-    seen = {}
-    assert number.tolist() == [seen.setdefault(key, len(seen)) for key in table.tolist()]
-    assert first.tolist() == [number.tolist().index(each) for each in range(len(seen))]
 
 
 def test_every_case_is_there_once_with_its_studies(overlapping):
