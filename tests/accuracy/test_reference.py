@@ -8,9 +8,8 @@ import pytest
 
 from tests.reference import REFERENCES
 from weier import Profile
-from weier.accuracy import reference as module
 from weier.accuracy.cosines import shifted
-from weier.accuracy.reference import contact_reference, deviation, digits, find_reference, is_in_reach
+from weier.accuracy.reference import contact_reference, deviation, digits, find_reference
 from weier.accuracy.runner import Variant, attempt
 from weier.methods import registry, westergaard
 
@@ -65,19 +64,6 @@ def test_an_estimate_is_held_against_its_own_sum_and_a_solution_against_the_cont
         assert found[0] == pytest.approx(
             own.compliance, abs={"layer": 1e-4, "bem": 1e-4, "auto": 1e-2}.get(name, 1e-9)
         )
-
-
-def test_nothing_is_known_of_what_takes_too_long(monkeypatch):
-    monkeypatch.setattr(module, "MAX_REFERENCE_SECONDS", 0.1)
-    infinite = Profile(1.5, 5, math.inf)
-    for name, profile in (("layer", Profile(1.5, 5, 11)), ("bem", Profile(1.5, 1000, 2))):
-        assert np.isnan(np.array(reference_of(name, profile).values, float)).all()
-    for name in ("layer", "demelio"):
-        assert np.isfinite(np.array(reference_of(name, infinite).values, float)).all()
-    assert not is_in_reach(infinite, LOADS)
-    assert not is_in_reach(Profile(1.5, 10, 5), LOADS)  # 10 000 waves
-    assert not is_in_reach(Profile(1.5, 10, 9), LOADS)  # more than a computer holds
-    assert is_in_reach(THREE, LOADS)
 
 
 def test_a_shifted_profile_has_its_phases_within_a_turn():

@@ -77,13 +77,6 @@ def test_settings_are_those_that_were_used(given, used):
         assert one.points_per_wave == used["points_per_wave"]
 
 
-def test_edges_of_contact_are_there_if_asked_for():
-    assert "edge" not in weier.solve(SMOOTH, LOADS, "patches").dims
-    edges = weier.solve(SMOOTH, LOADS, "patches", contact_edges=True).contact_edge
-    field = weier.fields(SMOOTH, 0.1)
-    assert edges.sel(mean_pressure=0.1).dropna("edge").values[0::2] == pytest.approx(field.left.values)
-
-
 def test_several_profiles_and_methods_are_what_the_pipeline_writes(tmp_path):
     found = weier.solve([SMOOTH, ROUGH], LOADS, ["demelio", "bem"], bem={"tolerance": 1e-3})
     loaded = scene_in(tmp_path, SAME)

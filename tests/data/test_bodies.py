@@ -142,39 +142,28 @@ def test_unusual_materials_are_doubted(changed, message):
     interface(rho_1=1e-8, rho_2=1e-3, lambda_0=1.0, g_0=0.05)
 
 
-CURVE = solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "bem")
+@pytest.fixture(scope="module")
+def curve():
+    return solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "bem")
 
 
-def test_a_curve_in_si_units_keeps_its_coordinates():
+def test_a_curve_in_si_units_keeps_its_coordinates(curve):
     bodies = interface()
-    found = bodies.in_si(CURVE)
-    assert CURVE.resistance.symbol == found.resistance.symbol == "R"
-    assert found.compliance.symbol == CURVE.compliance.symbol
-    assert set(found.variables) == set(CURVE.variables)
+    found = bodies.in_si(curve)
+    assert curve.resistance.symbol == found.resistance.symbol == "R"
+    assert found.compliance.symbol == curve.compliance.symbol
+    assert set(found.variables) == set(curve.variables)
     assert found.mean_pressure.values == pytest.approx(bodies.pressure([0.1, 0.5, 3.0]), rel=1e-15)
     assert found.indexes["mean_pressure"].tolist() == found.mean_pressure.values.tolist()
-    assert found.resistance.values == pytest.approx(bodies.resistance(CURVE.resistance.values), rel=1e-15)
+    assert found.resistance.values == pytest.approx(bodies.resistance(curve.resistance.values), rel=1e-15)
     assert (found.D, found.m, found.solution_method) == (1.25, 2, "bem")
     units = [found[name].attrs.get("units") for name in ("mean_pressure", "compliance", "resistance", "patch_count")]
     assert units == ["Pa", "m", "ohm m^2", "1"]
     assert found.compliance.long_name == "compliance"
     assert not any("normalised_by" in values.attrs for values in found.variables.values())
     assert (found.attrs["lambda_0"], found.attrs["g_0"]) == (1e-4, 1e-7)
-    assert found.contact_fraction.equals(CURVE.contact_fraction.assign_coords(found.contact_fraction.coords))
-    assert CURVE.compliance.attrs["normalised_by"] == "g_0"  # what is given stays as it was
-
-
-def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
-    heights = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
-    trace = Trace(heights, 1e-3, ends="periodic", unit="m")
-    curve = solve(trace, [0.1, 1.0], "bem", staircase="kept")
-    own = {"lambda_0": trace.lambda_0, "g_0": trace.g_0}
-    expected = interface(**own).in_si(curve)
-    assert expected.mean_pressure.values == pytest.approx(interface(**own).pressure([0.1, 1.0]), rel=1e-15)
-    for bodies in (interface(), interface(lambda_0=None, g_0=None), interface(lambda_0=None, g_0=None).at(trace)):
-        assert bodies.in_si(curve).equals(expected)
-        assert bodies.at(curve) == bodies.at(trace) == interface(**own)
-        assert (bodies.in_si(curve).attrs["lambda_0"], bodies.in_si(curve).attrs["g_0"]) == (1e-3, trace.g_0)
+    assert found.contact_fraction.equals(curve.contact_fraction.assign_coords(found.contact_fraction.coords))
+    assert curve.compliance.attrs["normalised_by"] == "g_0"  # what is given stays as it was
 
 
 def test_each_of_several_traces_and_series_has_its_own_scale():
@@ -223,25 +212,24 @@ SELECTION = {
 
 
 @pytest.mark.parametrize("change", ARITHMETIC.values(), ids=ARITHMETIC)
-def test_arithmetic_that_keeps_attributes_is_refused(change):
-    curve = CURVE[["compliance", "resistance"]]
+def test_arithmetic_that_keeps_attributes_is_refused(change, curve):
     with xr.set_options(keep_attrs=True), pytest.raises(ValueError, match=r"must be as weier returned it|has lost"):
-        interface().in_si(change(curve))
+        interface().in_si(change(curve[["compliance", "resistance"]]))
 
 
 @pytest.mark.parametrize("change", SELECTION.values(), ids=SELECTION)
-def test_selections_and_copies_are_converted(change):
-    own = CURVE.drop_vars("contact_edge", errors="ignore")
+def test_selections_and_copies_are_converted(change, curve):
+    own = curve.drop_vars("contact_edge", errors="ignore")
     found, expected = interface().in_si(change(own)), change(interface().in_si(own))
     for name, values in expected.variables.items():
         if values.dtype.kind == "f":
             np.testing.assert_allclose(found.variables[name].values, values.values, rtol=1e-15)
 
 
-def test_a_file_that_xarray_wrote_is_converted(tmp_path):
-    CURVE.to_netcdf(tmp_path / "curve.nc")
+def test_a_file_that_xarray_wrote_is_converted(tmp_path, curve):
+    curve.to_netcdf(tmp_path / "curve.nc")
     with xr.open_dataset(tmp_path / "curve.nc") as again:
-        np.testing.assert_array_equal(interface().in_si(again).resistance, interface().in_si(CURVE).resistance)
+        np.testing.assert_array_equal(interface().in_si(again).resistance, interface().in_si(curve).resistance)
         with pytest.raises(ValueError, match="resistance must be as weier returned it"):
             interface().in_si(again.assign(resistance=again.resistance**2))
 
@@ -259,7 +247,6 @@ def test_the_units_of_a_trace_are_never_those_of_a_series():
         curve.drop_vars("trace_height"),
         curve[["resistance"]].drop_vars(["D", "trace_length", "trace_height"]),
         both.drop_vars("trace_length"),
-        CURVE.reset_coords(drop=True),
     ):
         for use in (interface().in_si, interface().at):
             with pytest.raises(ValueError, match="data must have the coordinate D of a series, or trace_length"):
