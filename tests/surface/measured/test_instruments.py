@@ -198,3 +198,23 @@ def test_a_time_limit_is_no_damaged_file(tmp_path, monkeypatch, error):
     package.open_topography = Mock(side_effect=errors.ReadFileError)
     with pytest.raises(ValueError, match=r"SurfaceTopography cannot read it either \(ReadFileError\)"):
         Trace.read(tmp_path / "a.opd")
+
+
+@pytest.mark.parametrize(("kind", "name"), [("x3p", "a.opd"), ("nms", "a.nms")])
+def test_the_first_channel_of_heights_is_read(tmp_path, monkeypatch, kind, name):
+    def channel(is_height, factor):
+        scan = Topography(factor * MAP[:, 0], (400.0,), "um")
+        return Mock(is_height_channel=is_height, physical_sizes=(400.0,), topography=lambda physical_sizes: scan)
+
+    channels = [channel(False, 3), channel(True, 1), channel(True, 2)]
+    package = ModuleType("SurfaceTopography")
+    package.open_topography = lambda path: SimpleNamespace(format=lambda: kind, channels=channels)
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", package)
+    monkeypatch.setitem(sys.modules, "SurfaceTopography.Exceptions", SimpleNamespace(ReadFileError=KeyError))
+    (tmp_path / name).write_bytes(bytes(range(256)) + kind.encode())
+    assert_same(Trace.read(tmp_path / name), MAP[:, 0], 4e-4)
+    for kind, own in (("xyz", channels), ("nms", channels), ("x3p", channels[:1])):  # text, any bytes, no heights
+        (tmp_path / "b.opd").write_bytes(bytes(range(256)) + kind.encode() * 2)
+        package.open_topography = lambda path, kind=kind, own=own: SimpleNamespace(format=lambda: kind, channels=own)
+        with pytest.raises(ValueError, match=f"finds no map of heights in it, and takes it for {kind}"):
+            Trace.read(tmp_path / "b.opd")

@@ -37,16 +37,18 @@ def test_rounded_positions_give_their_length_and_no_gap_closes_up(step, decimals
 def test_a_row_left_out_never_passes_where_all_rows_pass():
     """Of few rows, whose step the rounding moves, and of any ratio of step and rounding."""
     passed = 0
-    for step in np.linspace(1.01, 20, 400):
-        for rows in (16, 30, 200):
+    for step in np.linspace(1.01, 20, 150):
+        for rows in (16, 30):
             x = np.round(step * np.arange(rows))
             if not is_refused(x):
                 passed += 1
-                assert length(x) == pytest.approx(rows * step, rel=0.0075 * (1 + 1 / rows) + 0.5 / (rows - 1) / step)
-                assert all(is_refused(np.delete(x, at)) for at in range(1, rows - 1) if rows < 200)
-    assert passed > 500
+                assert length(x) == pytest.approx(rows * step, abs=1)
+                assert all(is_refused(np.delete(x, at)) for at in range(1, rows - 1))
+    assert passed > 150
 
 
 def test_steps_that_rounding_hides_are_refused():
+    assert not is_refused(np.round(2.7 * np.arange(200)))
+    assert is_refused(np.round(2.7 * np.arange(16)))  # too few for a length within 0.75 %
     for x in (rounded(0.005, 2), rounded(0.012, 2), np.zeros(100), N[::-1], np.where(N == 9, np.nan, N)):
         assert is_refused(x)
