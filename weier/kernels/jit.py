@@ -6,6 +6,7 @@ docs/compiling.md explains the additions to numba and their reasons.
 from __future__ import annotations
 
 import functools
+import gc
 import os
 import sys
 import warnings
@@ -104,7 +105,11 @@ class Kernel:
         source = Path(self.function.__code__.co_filename).parent.name  # numba names its own folder by this
         if not (_numba()[1] and any(cache_folder().glob(f"{source}_*/*.nbi"))):
             _announce(source)
-        self.compiled.compile(tuple(map(_numba()[0].typeof, arguments)))
+        gc.disable()  # collections of garbage take a tenth of the compiler's time
+        try:
+            self.compiled.compile(tuple(map(_numba()[0].typeof, arguments)))
+        finally:
+            gc.enable()
         self.types = 1
 
 

@@ -228,7 +228,7 @@ def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides, S
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
     """Return segments, already sorted, with these numbers of nodes."""
     first_node = np.zeros(node_count.size + 1, np.int64)
-    np.cumsum(node_count, out=first_node[1:])
+    first_node[1:] = node_count.cumsum()
     return Segments(crest, origin, centre, half_width, first_node)
 
 
