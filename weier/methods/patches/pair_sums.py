@@ -73,8 +73,9 @@ def _interpolation(t: NDArray[np.float64]) -> Blocks:
     """Return the weights of values at the Chebyshev points in the polynomial at t: the barycentric formula."""
     with np.errstate(divide="ignore", invalid="ignore"):  # at a Chebyshev point
         weight = BARYCENTRIC / (t[..., None] - POINT)
-        weight /= weight.sum(axis=-1, keepdims=True)
-    return np.nan_to_num(weight, copy=False, nan=1.0)
+        weight /= (weight @ np.ones(ORDER))[..., None]
+    weight[np.isnan(weight)] = 1.0
+    return weight
 
 
 @kernel
