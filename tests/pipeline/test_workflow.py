@@ -77,6 +77,13 @@ def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
     assert solved(plan(), "contact.nc") == []
 
 
+def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_is_short(folder, monkeypatch):
+    for seconds, slots, expected in ((1.0, 9, 1), (90.0, 3, 3), (1e4, 99, 6)):
+        monkeypatch.setattr(workflow.Part, "seconds", seconds)  # of each part
+        found = jobs(solved(plan(slots=slots), "one"))
+        assert [job for _, job in found] == [f"{number}-of-{expected}" for number in range(expected)]
+
+
 def test_a_wrong_scene_ends_in_one_sentence(folder):
     change(folder, "1.25, gamma: 5, m: [1", "2.25, gamma: 5, m: [1")
     for function in (lambda: plan().all_files(of()), lambda: solved(plan(), "one")):
