@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices, Records
-from weier.kernels.jit import kernel
+from weier.kernels.jit import in_any_order, kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING
 from weier.methods.patches.pressure_and_gap import residuals_in_order
-from weier.methods.patches.rule import wave_table
 from weier.methods.patches.segments import ContactState, SegmentArrays, integrals, segment_strengths
 from weier.methods.patches.surface import (
     TWIN_HEIGHT,
@@ -102,22 +101,33 @@ def _sizes(first_node: Indices, half_width: Array, samples: Array) -> NDArray[np
     sizes, start = np.empty((3, half_width.size)), 0
     for j in range(half_width.size):
         nodes = first_node[j + 1] - first_node[j]
-        count, largest, force, roughness = 2 * (nodes + 1), 0.0, 0.0, 0.0
-        wave = wave_table(count, 0)
-        for n in range(count):
-            coefficient, index, size = 0.0, n, abs(samples[start + n])
-            largest, force = max(largest, size), force + size * np.sin((n + 0.5) * np.pi / count)
-            for i in range(count):
-                coefficient += samples[start + i] * wave[index]
-                index += 2 * n
-                if index >= 4 * count:
-                    index -= 4 * count
-            roughness += 2 / count * n * abs(coefficient)
+        count, largest, force = 2 * (nodes + 1), 0.0, 0.0
+        for i in range(count):
+            size = abs(samples[start + i])
+            largest, force = max(largest, size), force + size * np.sin((i + 0.5) * np.pi / count)
         mean = np.pi / (count - nodes - 3) * force
         sizes[0, j] = largest if force < np.inf else np.nan
         sizes[1, j] = half_width[j] * min(mean / max(SAMPLED_FACTOR * largest, 1e-300), 2.0)
-        sizes[2, j], start = roughness, start + count
+        sizes[2, j], start = _roughness(samples[start : start + count]), start + count
     return sizes
+
+
+@in_any_order
+@kernel
+def _roughness(samples: Array) -> float:
+    """Return sum n |c_n| of sum c_n T_n through samples at the zeros of a Chebyshev polynomial, by its recurrence."""
+    count, total = samples.size, 0.0
+    x, polynomial, lower = np.empty(count), np.empty(count), np.empty(count)
+    for i in range(count):
+        x[i] = lower[i] = -np.cos((i + 0.5) * np.pi / count)
+        polynomial[i] = 1.0
+    for n in range(1, count):
+        coefficient = 0.0
+        for i in range(count):
+            polynomial[i], lower[i] = 2 * x[i] * polynomial[i] - lower[i], polynomial[i]
+            coefficient += samples[i] * polynomial[i]
+        total += n * abs(coefficient)
+    return 2 / count * total
 
 
 @kernel

@@ -49,7 +49,7 @@ def _degree(n: int, r: float, period: float, derivative: int) -> float:
 
 
 @kernel
-def wave_table(N: int, derivative: int) -> Array:
+def _wave_table(N: int, derivative: int) -> Array:
     """Return cosines of the angles pi i/(2 N) of a whole turn, or sines, which lag by a quarter of a turn."""
     wave = np.empty(4 * N)
     for i in range(4 * N):
@@ -180,7 +180,7 @@ def expand_forces(
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
         N = last - first + shift - 1
-        wave = wave_table(N, derivative)
+        wave = _wave_table(N, derivative)
         for i in range(first, last):
             f, index, step = left[i] * force[i], 0, 2 * N - 2 * (i - first) - shift
             for n in range(first, last):
@@ -215,7 +215,7 @@ def forces_from_expansion(
             continue
         first, last, old = first_node[j], first_node[j + 1], old_first_node[origin[j]]
         N = last - first + shift - 1
-        wave = wave_table(N, derivative)
+        wave = _wave_table(N, derivative)
         count = old_first_node[origin[j] + 1] - old
         if count > last - first:
             count = last - first
