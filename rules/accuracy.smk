@@ -4,6 +4,7 @@ rule tradeoff:
     input:
         configured("accuracy/tradeoff.yaml"),
     output:
+        multiext("results/tradeoff/tradeoff", ".pdf", ".svg", ".png", ".csv"),
         page="results/tradeoff/tradeoff.md",
     log:
         "results/logs/tradeoff/measure.log",
@@ -12,7 +13,7 @@ rule tradeoff:
     threads: lambda wildcards: slots()
     params:
         run=command,
-        code=digest_of_modules("accuracy"),
+        code=digest_of_modules("accuracy", "figures"),
         numerics=plan.numerics,
         study=lambda wildcards, output: Path(output.page).stem,
         scene=lambda wildcards, input: [f"--scene {path}" for path in input],

@@ -1,14 +1,17 @@
 """The measured trade: errors against the exact contact, who takes part, what is written and drawn."""
 
+import io
 import re
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from tests.toy_method import TOY
 from weier import Profile
 from weier.accuracy import tradeoff
+from weier.figures.values import as_csv
 from weier.methods import bem, registry
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method
@@ -68,3 +71,11 @@ def test_a_grid_too_fine_for_a_profile_and_a_solver_that_stops_are_left_out(meas
     monkeypatch.setattr(registry, "METHODS", (replace(bem.METHOD, solve=stop), registry.METHODS[1]))
     assert [one.variant.method for one in tradeoff.measure([ONE], LOADS)] == ["archard"]
     assert "bem 1e-02: stopped" in capsys.readouterr().err
+
+
+def test_the_figure_has_the_largest_errors_of_all_settings_over_the_time(measured):
+    values = pd.read_csv(io.StringIO(as_csv(tradeoff.draw(list(measured.values())))))
+    own = values[(values.panel == "(a) Compliance") & (values.curve == "contact patches, stated")]
+    stated = own["error of h/g_0"].to_numpy()
+    assert stated[0] == max(measured[key].stated[0].max() for key in measured if key[1] == "patches 1e-01")
+    assert len(own) == len([key for key in measured if key[0] == TWO and key[1].startswith("patches 1e")])

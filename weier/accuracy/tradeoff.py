@@ -10,12 +10,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 import click
+import matplotlib.style
 import numpy as np
+from matplotlib.figure import Figure
 
 from weier.accuracy.measurement import measurement, number
 from weier.accuracy.reference import contact_reference, deviation
 from weier.accuracy.runner import MAX_POINTS, Variant, run
 from weier.data.markdown import plain, table
+from weier.figures import METADATA, VALUES, save, style
+from weier.figures.values import line
 from weier.kernels.arrays import Array
 from weier.methods import bem, registry
 from weier.methods.errors import ConvergenceError
@@ -39,6 +43,8 @@ HEADER = [
     *("method and setting", "profiles", "ms a load"),
     *("error of h: median", *ERROR_COLUMNS, "error of R: median", *ERROR_COLUMNS),
 ]
+FLOOR = 1e-15  # smaller errors are drawn here
+OPEN = {"markerfacecolor": "white", "linewidth": 0.5, "label": None}  # the look of stated errors
 
 
 class Measured(NamedTuple):
@@ -124,6 +130,30 @@ def _row(name: str, own: Sequence[Measured]) -> list[str]:
     return cells
 
 
+def draw(found: Sequence[Measured]) -> Figure:
+    """Draw the largest and the stated errors of h and R against the time; a line joins the settings of a method.
+
+    Settings that were not run on all profiles are left out.
+    """
+    figure, panels = style.column("", ["Compliance", "Resistance"])
+    profiles = len({id(one.profile) for one in found})
+    variants = [own for own in by_variant(found).values() if len(own) == profiles]
+    labels = r"error of $h/g_0$", r"error of $R$, in max$(R,\,g_0/p_0^{*})$"
+    for quantity, (axes, label) in enumerate(zip(panels, labels, strict=True)):
+        axes.set(xscale="log", yscale="log", xlabel="milliseconds per load", ylabel=label)
+        for method in dict.fromkeys(own[0].variant.method for own in variants):
+            settings = [own for own in variants if own[0].variant.method == method]
+            milliseconds = [np.median([one.milliseconds for one in own]) for own in settings]
+            look = style.line(method) | {"marker": style.points(method)["marker"], "markersize": 3}
+            if method in registry.numerical_names()[1:]:
+                look["color"] = style.PURPLE  # other figures draw all numerical methods in black
+            for kind, more in (("stated", OPEN), ("error", {})):
+                worst = [np.max([getattr(one, kind)[quantity] for one in own]) for own in settings]
+                line(axes, f"{look['label']}, {kind}", milliseconds, np.maximum(worst, FLOOR), **look | more)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure
+
+
 @measurement("Speed against accuracy")
 @click.option("--scene", type=click.Path(path_type=Path), default=SCENE, help="Its profiles and loads.")
 def main(scene: Path) -> list[str]:
@@ -139,8 +169,11 @@ def main(scene: Path) -> list[str]:
     profiles, and stated errors are those of the method itself.
 
     Milliseconds are processor time on one core, the median over the profiles, each the median of five runs. A finer
-    grid is run on fewer profiles, so compare rows that have equally many.
+    grid is run on fewer profiles, so compare rows that have equally many. A figure beside the page shows the largest
+    errors over the time.
     """
     loaded = load(scene)
     found = measure([case.profile for case in loaded.distinct], loaded.loads)
+    with matplotlib.style.context(style.SHEET, after_reset=True):
+        save(draw(found), click.get_current_context().params["output"], (*METADATA, VALUES))
     return [table_of(found)]
