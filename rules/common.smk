@@ -61,11 +61,16 @@ def scenes_of(wildcards, output):
 
 
 def job_of(product):
-    """The folder of the job that makes a product, as an input function; the date of a fresh product does not count."""
+    """The folder of the job that makes a product, and its scene, as an input function.
+
+    Dates do not count for a fresh product. For a stale one, the date of an edited scene does: without records, as in a
+    copy of the results, Snakemake keeps a product whose folder is missing.
+    """
 
     def made_of(wildcards):
         path, fresh = plan.job(wildcards.scene, product.format(**wildcards))
-        return ancient(path) if fresh else path
+        files = [path, scene_file(wildcards.scene)]
+        return list(map(ancient, files)) if fresh else files
 
     return made_of
 
@@ -73,7 +78,7 @@ def job_of(product):
 def files_made(wildcards, input, output):
     """The folder with the files of a product, as its job has left them."""
     product = wildcards.get("figure", Path(output[0]).name)
-    return f"{input.made_of}/{product}/{FILES}"
+    return f"{input.made_of[0]}/{product}/{FILES}"
 
 
 def labels_of_figure(wildcards):

@@ -198,6 +198,11 @@ def test_results_without_records_and_of_other_dates_are_not_made_again(finished)
     for path in (finished / "results").rglob("*"):
         path.touch()
     assert planned(finished) == {}
+    edit(finished / "config/scenes/test.yaml", "resistance,", "resistance, x: linear,")
+    two = "results/test/figures/two.png"
+    assert planned(finished, two) == {"make": 1, "figure": 1}
+    edit(finished / "config/scenes/test.yaml", "resistance, x: linear,", "resistance,")
+    assert planned(finished, two) == {}
 
 
 def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
