@@ -6,7 +6,6 @@ docs/compiling.md explains the additions to numba and their reasons.
 from __future__ import annotations
 
 import functools
-import gc
 import os
 import sys
 import warnings
@@ -105,11 +104,7 @@ class Kernel:
         source = Path(self.function.__code__.co_filename).parent.name  # numba names its own folder by this
         if not (_numba()[1] and any(cache_folder().glob(f"{source}_*/*.nbi"))):
             _announce(source)
-        gc.disable()  # collections of garbage take a tenth of the compiler's time
-        try:
-            self.compiled.compile(tuple(map(_numba()[0].typeof, arguments)))
-        finally:
-            gc.enable()
+        self.compiled.compile(tuple(map(_numba()[0].typeof, arguments)))
         self.types = 1
 
 

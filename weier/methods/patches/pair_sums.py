@@ -69,13 +69,21 @@ class PairMatrix(NamedTuple):
     near_start: Indices
 
 
-def _interpolation(t: NDArray[np.float64]) -> Blocks:
-    """Return the weights of values at the Chebyshev points in the polynomial at t: the barycentric formula."""
-    with np.errstate(divide="ignore", invalid="ignore"):  # at a Chebyshev point
-        weight = BARYCENTRIC / (t[..., None] - POINT)
-        weight /= (weight @ np.ones(ORDER))[..., None]
-    weight[np.isnan(weight)] = 1.0
-    return weight
+@kernel
+def _interpolate(t: float, weight: Array) -> None:
+    """Compute the weights of values at the Chebyshev points in the polynomial at t: the barycentric formula."""
+    total = 0.0
+    for q in range(ORDER):
+        weight[q] = BARYCENTRIC[q] / (t - POINT[q])
+    for q in range(ORDER):
+        total += weight[q]
+        if t == POINT[q]:
+            for s in range(ORDER):
+                weight[s] = 0.0
+            weight[q] = total = 1.0
+            break
+    for q in range(ORDER):
+        weight[q] /= total
 
 
 @kernel
@@ -90,6 +98,12 @@ def _first_leaf(depth: int) -> int:
     return (1 << depth) - 1
 
 
+@kernel
+def interval(low: float, high: float) -> tuple[float, float]:
+    """Return middle and half-width of a node."""
+    return 0.5 * (low + high), max(0.5 * (high - low), 1e-300)
+
+
 def make_tree(origin: Array, offset: Array) -> Tree:
     """Return the tree of points at origin + offset, which are ascending."""
     position, depth = origin + offset, 0
@@ -98,12 +112,26 @@ def make_tree(origin: Array, offset: Array) -> Tree:
     starts = [(position.size * np.arange((1 << level) + 1)) >> level for level in range(depth + 1)]
     low = position[np.concatenate([start[:-1] for start in starts])]
     high = position[np.concatenate([start[1:] - 1 for start in starts])]
-    middle, half, parent = 0.5 * (low + high), np.maximum(0.5 * (high - low), 1e-300), np.arange(low.size - 1) >> 1
-    from_parent = (middle[1:] - middle[parent])[:, None] + half[1:, None] * POINT
-    leaf = np.repeat(np.arange((1 << depth) - 1, low.size), np.diff(starts[-1]))
-    to_parent = np.concatenate([np.zeros((1, ORDER, ORDER)), _interpolation(from_parent / half[parent, None])])
-    at_points = _interpolation((position - middle[leaf]) / half[leaf])
-    return Tree(position, origin, offset, depth, low, high, to_parent, at_points)
+    to_parent, at_points = np.empty((low.size, ORDER, ORDER)), np.empty((position.size, ORDER))
+    tree = Tree(position, origin, offset, depth, low, high, to_parent, at_points)
+    _fill_interpolations(tree)
+    return tree
+
+
+@kernel
+def _fill_interpolations(tree: Tree) -> None:
+    for node in range(tree.low.size):
+        middle, half = interval(tree.low[node], tree.high[node])
+        if node > 0:
+            parent = (node - 1) >> 1
+            parent_middle, parent_half = interval(tree.low[parent], tree.high[parent])
+            for q in range(ORDER):
+                t = ((middle - parent_middle) + half * POINT[q]) / parent_half
+                _interpolate(t, tree.to_parent[node, q])
+        if node >= _first_leaf(tree.depth):
+            start, end = leaf_points(tree.position.size, tree.depth, node)
+            for a in range(start, end):
+                _interpolate((tree.position[a] - middle) / half, tree.at_points[a])
 
 
 @kernel
@@ -154,7 +182,8 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
 @kernel
 def _chebyshev_points(low: float, high: float) -> tuple[Array, Array]:
     """Return origins and offsets of the Chebyshev points of a node."""
-    return np.full(ORDER, 0.5 * (low + high)), max(0.5 * (high - low), 1e-300) * POINT
+    middle, half = interval(low, high)
+    return np.full(ORDER, middle), half * POINT
 
 
 @kernel
