@@ -72,7 +72,7 @@ def solve(output: Path | None, force: bool, workers: int, **options: Any) -> Non
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points_per_wave=256
     weier solve --trace shaft.csv --shortest 0.01 --x-unit mm --height-unit um --loads 0.01:10:20 -o shaft.nc
     weier solve --trace lab.txt --skip 12 --columns 0,2 --decimal , --unit um
-    weier solve --trace map.x3p --line 120 --detrend form --missing interpolate
+    weier solve --trace map.x3p --line 120 --detrend form --max-gap 5
     weier solve --trace shaft.csv --si bodies.yaml --pressures 1,10MPa
     weier solve --trace shaft.csv --against bush.csv --si bodies.yaml --pressures 1,10MPa
     """  # noqa: D301 - click wants the character
