@@ -49,7 +49,7 @@ def curves(scene_file, plan=None):
 def make(scene_file):
     """The arguments of the job that makes the dataset."""
     made = made_of(Curves(scene.load(scene_file), Store(scene_file.parent / "curves", numerics())), "contact.nc")
-    return ["make", scene_file, scene_file.parent / "curves", scene_file.parent / "drafts", f"contact.nc/{made}"]
+    return ["make", scene_file, scene_file.parent / "curves", scene_file.parent / "job", f"contact.nc/{made}"]
 
 
 def test_a_product_without_curves_or_of_another_scene_is_named(run, scene_file):
@@ -78,7 +78,7 @@ def test_adopting_names_how_many_kinds_were_compared(run, scene_file):
 @pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])
 def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     scene_file.write_text(text)
-    done = weier("make", scene_file, tmp_path, tmp_path / "drafts", "page.html/0")
+    done = weier("make", scene_file, tmp_path, tmp_path / "job", "page.html/0")
     assert done.returncode == 1
     assert done.stderr.startswith(f"weier: {scene_file}")
     assert done.stderr.count("\n") == 1

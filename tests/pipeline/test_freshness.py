@@ -211,6 +211,22 @@ def test_another_value_of_a_key_makes_its_products_again(tmp_path, key):
     assert digests_of(tmp_path) == before
 
 
+def test_data_of_another_date_are_other_data(tmp_path, monkeypatch):
+    """Figures and the explorer have no dates."""
+    found = []
+    for date in ("", "1000000000", "2000000000"):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
+        found.append(digests_of(tmp_path))
+    assert len({one[DATA] for one in found}) == 3
+    assert all(len({one[name] for one in found}) == 1 for name in ALL - {DATA})
+
+
+def test_the_same_pressures_in_another_unit_make_all_products_again(tmp_path):
+    bodies = BODIES | {"lambda_0": 1e-3, "g_0": 1e-6}
+    before, after = (digests_of(tmp_path, interface=bodies, loads=[load]) for load in ("1 MPa", "1e6 Pa"))
+    assert {name for name in ALL if before[name] != after[name]} == ALL
+
+
 def test_each_key_of_a_scene_is_above():
     from weier.scene.models import SceneKeys, StudyKeys
 

@@ -101,3 +101,10 @@ def test_what_takes_long_is_announced(folder, monkeypatch, capsys):
         monkeypatch.setattr(workflow.Part, "seconds", seconds)  # of each part
         plan().all_files(of())
     assert capsys.readouterr().err == "test: 6 curves to solve, in about 1200 s by 2 at once\n"
+
+
+def test_scenes_are_named_by_words_with_commas_between():
+    assert workflow.names_of_scenes({"scenes": "test, 2024,test"}) == ["test", "2024"]
+    for wrong in (815, 1000.0, None, "", [1], True):  # Snakemake reads 0815 as 815, which may be another scene
+        with pytest.raises(SystemExit, match=r"^weier: scenes must be names .*, got .*: rename .*, with quotes$"):
+            workflow.names_of_scenes({"scenes": wrong})

@@ -89,14 +89,15 @@ def make(scene_file: Path, store: Path, folder: Path, stamps: Sequence[Path]) ->
                 make_product(curves, stamp, files)
             sums = checksums(files / Path(file).name for file in files_of(name))
             (unfinished / stamp).write_text(sums, encoding="ascii")
-            remove_older(unfinished, name)
         except ValueError as error:
             shutil.rmtree(unfinished / name, ignore_errors=True)
             click.echo(f"weier: {error}", err=True)
-    if not any(unfinished.iterdir()):
+    if not (made := [path.name for path in unfinished.iterdir()]):
         unfinished.rmdir()
         raise click.exceptions.Exit(1)
     unfinished.rename(folder)
+    for name in made:
+        remove_older(folder, name)
 
 
 @click.command()

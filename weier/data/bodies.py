@@ -10,13 +10,14 @@ import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
+from inspect import signature
 from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier import units
-from weier.checks import checked_number, checked_numbers
+from weier.checks import checked_number, checked_numbers, checked_word
 from weier.data.curves import contact_pressure
 from weier.data.markdown import significant
 from weier.data.si import CONVERT_DATASET, check_normalised, converted, scaled
@@ -97,9 +98,11 @@ class Bodies:
     @classmethod
     def from_texts(cls, given: Mapping[str, Any]) -> Self:
         """Return the bodies of a file, whose values may have units, as in "210 GPa"."""
+        for name in given:
+            checked_word("a name in the bodies", name, signature(cls).parameters)
         try:
             return cls(**{name: units.parsed(name, value, _unit(name)) for name, value in given.items()})
-        except TypeError as error:  # a name is missing or unknown
+        except TypeError as error:  # a name is missing
             raise ValueError(str(error).removeprefix(f"{Bodies.__name__}.__init__() ")) from None
 
     def __post_init__(self, E_1: float | None, E_2: float | None) -> None:

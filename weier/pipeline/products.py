@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import shutil
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -86,9 +87,13 @@ def checksums(files: Iterable[Path]) -> str:
 
 
 def remove_older(job: Path, product: str) -> None:
-    """Remove the stamps of a product that other jobs than this one have left."""
+    """Remove the stamps of a product that other jobs than this one have left, and their folders if these are empty.
+
+    A job that has made other products at the same time may remove the same folder.
+    """
     for other in job.parent.glob(f"*/{product}"):
         if other.parent != job:
-            shutil.rmtree(other)
-            if not any(path.is_dir() for path in other.parent.iterdir()):
-                shutil.rmtree(other.parent)
+            shutil.rmtree(other, ignore_errors=True)
+            with suppress(FileNotFoundError):
+                if not any(path.is_dir() for path in other.parent.iterdir()):
+                    shutil.rmtree(other.parent, ignore_errors=True)

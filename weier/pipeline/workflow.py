@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from weier.api.progress import LONG
-from weier.checks import checked_word
+from weier.checks import checked_word, shown
 from weier.data.files import check_target
 from weier.data.markdown import significant
 from weier.digests import DIGITS, digest, numerics
@@ -215,11 +215,20 @@ def kernels_file(method: str) -> str:
 
 
 def names_of_scenes(config: Mapping[str, Any]) -> list[str]:
-    """Return the names of the scenes of the configuration, each once; Snakemake reads 2024 as a number."""
+    """Return the names of the scenes of the configuration, each once.
+
+    On its command line Snakemake reads 0815 as the number 815, which may be another scene.
+    """
     with ending_in_one_sentence():
         for key in config:
             checked_word("a key of --config", key, CONFIG_KEYS)
-        return list(dict.fromkeys(name.strip() for name in str(config["scenes"]).split(",")))
+        given = config.get("scenes")
+        if not isinstance(given, str) or not given.strip():
+            raise ValueError(
+                f"scenes must be names of scenes with commas between, got {shown(given)}: rename a scene whose name "
+                "is a number, or name it in a file for --configfile, with quotes"
+            )
+        return list(dict.fromkeys(name.strip() for name in given.split(",")))
 
 
 @contextmanager
