@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import weier
 from benchmarks.artefacts import roughness, self_affine
 from weier.surface.measured.trace import Trace
 
@@ -172,6 +173,21 @@ def test_where_heights_are_missing_at_the_ends_the_trace_is_cut_off():
         trace(z, max_gap=5, ends="periodic")
 
 
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.8])
+def test_a_code_of_most_heights_is_named(share):
+    rng = np.random.default_rng(0)
+    z = np.where(rng.random(400) < share, -9999.0, rng.normal(size=400).cumsum())
+    with pytest.raises(ValueError, match="say missing_value=-9999"):
+        Trace(z, 2e-3, height_unit="nm")
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_rough_period_that_repeats_its_first_height_is_doubted(seed):
+    z = weier.gaussian(0.5, 1e-3, 5e-6, rms_height=1e-6, seed=seed).height(np.arange(400) / 400)
+    with pytest.warns(UserWarning, match="first and the last of 401 heights"):
+        Trace(np.append(z, z[0]), 1e-3, height_unit="um", ends="periodic")
+
+
 @pytest.mark.parametrize("phase", [0.0, 0.5, 3.0])
 def test_a_period_that_repeats_its_first_height_is_doubted(phase):
     def wave(n):
@@ -182,5 +198,6 @@ def test_a_period_that_repeats_its_first_height_is_doubted(phase):
     assert told[0].filename == __file__
     assert trace(wave(np.arange(100) / 100), ends="periodic").samples == 100
     assert trace(wave(np.linspace(0, 1, 101)), ends="mirrored").samples == 101
-    trace(np.cos(2 * np.pi * (N + 0.5) / 200), ends="periodic")  # equal heights on both sides of a crest
+    with pytest.warns(UserWarning, match="first and the last of"):
+        trace(np.cos(2 * np.pi * (N + 0.5) / 200), ends="periodic")  # equal heights on both sides of a crest
     trace(np.minimum(np.cos(2 * np.pi * N / 200), 0.5), ends="periodic")

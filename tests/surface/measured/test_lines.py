@@ -47,6 +47,20 @@ def test_a_row_left_out_never_passes_where_all_rows_pass():
     assert passed > 150
 
 
+def test_a_length_must_be_that_of_the_positions():
+    x = 5.0 * np.arange(200)
+    assert length_of_steps(x, 1000.0, str) == 1000
+    with pytest.raises(ValueError, match=r"length must be that of 200 steps .* about 1000, got 900"):
+        length_of_steps(x, 900.0, str)
+
+
+def test_positions_in_more_digits_must_be_equal_steps():
+    for uneven in (0.39 * (N % 2), 0.19 * np.random.default_rng(0).uniform(-1, 1, N.size), N * N / N.size**2):
+        assert is_refused(np.round(5.0 * (N + uneven), 6))
+    assert not is_refused(np.float32(0.1) * N.astype(np.float32))
+    assert not is_refused(np.linspace(0, 1, N.size))
+
+
 def test_steps_that_rounding_hides_are_refused():
     assert not is_refused(np.round(2.7 * np.arange(200)))
     assert is_refused(np.round(2.7 * np.arange(16)))  # too few for a length within 0.75 %

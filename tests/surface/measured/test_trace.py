@@ -152,6 +152,19 @@ def test_what_is_done_to_its_heights_does_not_reach_a_trace():
     assert pickle.loads(pickle.dumps(trace)).height(0.3) == before
 
 
+def test_what_is_done_to_its_waves_or_its_heights_does_not_reach_a_trace():
+    z = rough(64)
+    trace = Trace(z, LENGTH, unit="m")
+    before = trace.height(0.3)
+    z[:] = 0
+    trace.amplitude[:] = 0
+    trace.phase[0] += 1
+    trace.waves_per_period.append(7)
+    assert trace.height(0.3) == before
+    assert len(trace.waves_per_period) == trace.m
+    assert pickle.loads(pickle.dumps(trace)).height(0.3) == before
+
+
 def test_a_unit_is_of_heights_and_length_or_of_one_of_them():
     z = rough(64)
     same = [

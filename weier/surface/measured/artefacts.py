@@ -41,6 +41,7 @@ ABRUPT_DEVIATIONS, FLANK_RATIO, JUMP_OUTLIER = 6.0, 3.0, 2.0
 # jumps. Roughness has no such change, even for D near 2 or with flat crests.
 JUMP_FRACTION, JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = 0.1, (1, 2, 3), 5.0, 3
 SAME_HEIGHT = 1e-6  # Two heights are equal if they differ by less than this fraction of the range.
+MANY_EQUAL = 0.01  # from this fraction of equal neighbours on, an equal pair at the ends of a period tells nothing
 
 
 def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None) -> Array:
@@ -102,7 +103,7 @@ def without_gaps(z: Array, max_gap: int, place: Callable[[int], str]) -> tuple[A
 def check_sentinels(z: Array) -> None:
     """Refuse a value that recurs exactly, far from all others or from its neighbours: a code for missing heights."""
     values, first, count = np.unique(z, return_index=True, return_counts=True)
-    far = (at for at in (0, values.size - 1) if 1 < count[at] < z.size / 2 and _is_far(values, at))
+    far = (at for at in (0, values.size - 1) if count[at] > 1 and values.size > 2 and _is_far(values, at))
     most = int(count.argmax())
     at = next(far, most if _is_out_of_line(z, values[most], int(count[most])) else None)
     if at is not None:
@@ -195,14 +196,9 @@ def _refuse_jump(kind: str, at: int, width: int, size: float, step: float, other
 
 
 def warn_about_period_end(z: Array) -> None:
-    """Warn if the last height of a period repeats the first one.
-
-    Both may also lie on either side of a crest: the cubic through their neighbours then predicts the last one better
-    than a repeated one.
-    """
-    cubic = np.array([-1, 4, 4, -1]) / 6
-    as_last, as_repeated = (abs(cubic @ z[at] - z[0]) for at in ([-3, -2, 0, 1], [-3, -2, 1, 2]))
-    if abs(z[-1] - z[0]) <= SAME_HEIGHT * np.ptp(z) and as_last > as_repeated / 2:
+    """Warn if the last height of a period is equal to the first one, and few neighbours are equal."""
+    is_same = np.abs(np.diff(z, append=z[0])) <= SAME_HEIGHT * np.ptp(z)
+    if is_same[-1] and is_same[:-1].mean() < MANY_EQUAL:
         warnings.warn(
             f"the first and the last of {z.size} heights of a period are equal, {z[-1]:.6g} m: if the last one "
             f"repeats the first, leave it out and take the length of {z.size - 1} steps",

@@ -56,9 +56,10 @@ CELL = re.compile(
 )
 
 
-# Positions may deviate from equal steps by less than this fraction of a step altogether, as rounded ones do: a row
-# that is left out shifts those behind it by a whole step. They must also give the length within the second number.
-MAX_ROUNDING, MAX_ERROR = 0.4, 0.0075
+# Positions may deviate from equal steps by 1.5 units of their last decimal altogether, as rounded or cut ones do, or
+# by the first fraction of a step, but by less than the second one: a row that is left out shifts those behind it by
+# a whole step. They must also give the length within the third number.
+EQUAL, MAX_ROUNDING, MAX_ERROR = 0.02, 0.4, 0.0075
 
 
 class Line(NamedTuple):
@@ -110,7 +111,7 @@ def length_of_steps(x: Array, length: float | None, place: Callable[[int], str])
     """
     rows, rise = np.arange(x.size), np.diff(x)
     step = float(np.polyfit(rows, x, 1)[0]) if np.isfinite(x).all() else math.nan
-    tolerance = min(MAX_ROUNDING, MAX_ERROR * rows[-1]) * step
+    tolerance = min(max(EQUAL * step, 1.5 * _last_decimal(x)), MAX_ROUNDING * step, MAX_ERROR * rows[-1] * step)
     if not (step > 0 and (rise >= 0).all() and np.ptp(x - step * rows) <= tolerance):
         at = int(np.abs(rise - np.median(rise)).argmax()) + 1
         raise ValueError(
@@ -128,10 +129,27 @@ def length_of_steps(x: Array, length: float | None, place: Callable[[int], str])
     return own if length is None else length
 
 
+def _last_decimal(x: Array) -> float:
+    """Return the unit of the last decimal of numbers, 0 if they have more than nine."""
+    for n in range(10):
+        if np.allclose(np.rint(x * 10.0**n), x * 10.0**n, rtol=0, atol=1e-4):
+            return float(10.0**-n)
+    return 0.0
+
+
 def line_from_array(heights: Any) -> Line:
-    """Return the line of an array, which may have a unit."""
-    unit = unit_of(heights)
-    return Line(heights, height_units=(length_unit(unit),) if unit else ())
+    """Return the line of an array: one of xarray may have a unit, and a coordinate of positions with a unit."""
+    dims: tuple[Any, ...] = getattr(heights, "dims", ())
+    if len(dims) == 1 and dims[0] in getattr(heights, "coords", ()):
+        coordinate = heights.coords[dims[0]]
+        if x_units := _units(coordinate):
+            return Line(heights, coordinate.values, None, x_units, _units(heights))
+    return Line(heights, height_units=_units(heights))
+
+
+def _units(values: Any) -> tuple[str, ...]:
+    unit = unit_of(values)
+    return (length_unit(unit),) if unit else ()
 
 
 def heading_cells(heading: str, columns: int, delimiter: str) -> list[str]:

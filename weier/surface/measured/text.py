@@ -208,7 +208,10 @@ class _Table:
         (best, rows), *others = [(signs, rows) for signs, rows in found if len(rows) == most]
         if commas := [at for at in rows if "," in lines[at]]:
             hidden = any((best.delimiter == ",") != (signs.delimiter == ",") for signs, _ in others)
-            if hidden or (best.delimiter == "," and not self.decimal and not any("." in lines[at] for at in rows)):
+            fields = [best.split(lines[at]) for at in rows]
+            read = [row if columns is None else [row[column] for column in columns] for row in fields]
+            clear = self.decimal or any("." in field for row in read for field in row if best.is_number(field))
+            if hidden or (best.delimiter == "," and not clear):
                 problem = "has a comma of decimals, between columns or between thousands"
                 remedy = f"say decimal=',' for decimals, decimal='.' for columns of whole numbers, or {PANDAS}"
                 self._refuse(commas[0], problem, remedy)

@@ -195,9 +195,9 @@ class Trace(Waves):
         vars(self).update(
             g_0=g_0,
             m=waves.size,
-            waves_per_period=waves.tolist(),
-            amplitude=np.abs(coefficient) / g_0,
-            phase=np.angle(coefficient),
+            _waves=waves.tolist(),
+            _amplitude=np.abs(coefficient) / g_0,
+            _phase=np.angle(coefficient),
         )
 
     def __eq__(self, other: object) -> bool:
@@ -206,6 +206,21 @@ class Trace(Waves):
 
     def __hash__(self) -> int:
         return hash(self._identity)
+
+    @property
+    def amplitude(self) -> Array:
+        """Amplitudes of the waves, shape (m,), in g_0."""
+        return np.array(vars(self)["_amplitude"])
+
+    @property
+    def phase(self) -> Array:
+        """Phases of the waves, shape (m,), in radians; x = 0 is the first height."""
+        return np.array(vars(self)["_phase"])
+
+    @property
+    def waves_per_period(self) -> list[int]:
+        """Waves of each kind in one period, ascending, m of them."""
+        return list(vars(self)["_waves"])
 
     @property
     def _identity(self) -> tuple[str, str, int | None]:
