@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices, Records
-from weier.kernels.jit import in_any_order, kernel
+from weier.kernels.jit import kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
@@ -112,20 +112,21 @@ def _sizes(first_node: Indices, half_width: Array, samples: Array) -> NDArray[np
     return sizes
 
 
-@in_any_order
 @kernel
 def _roughness(samples: Array) -> float:
-    """Return sum n |c_n| of sum c_n T_n through samples at the zeros of a Chebyshev polynomial, by its recurrence."""
+    """Return sum n |c_n| of sum c_n T_n through samples at the zeros of a Chebyshev polynomial.
+
+    The cosines are cos(k pi/(2 N)), k = n (2 i + 1) modulo 4 N.
+    """
     count, total = samples.size, 0.0
-    x, polynomial, lower = np.empty(count), np.empty(count), np.empty(count)
-    for i in range(count):
-        x[i] = lower[i] = -np.cos((i + 0.5) * np.pi / count)
-        polynomial[i] = 1.0
+    cosine = np.cos(np.arange(4 * count) * (0.5 * np.pi / count))
     for n in range(1, count):
-        coefficient = 0.0
+        coefficient, k = 0.0, n
         for i in range(count):
-            polynomial[i], lower[i] = 2 * x[i] * polynomial[i] - lower[i], polynomial[i]
-            coefficient += samples[i] * polynomial[i]
+            coefficient += samples[i] * cosine[k]
+            k += 2 * n
+            if k >= 4 * count:
+                k -= 4 * count
         total += n * abs(coefficient)
     return 2 / count * total
 
