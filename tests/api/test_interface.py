@@ -95,3 +95,8 @@ def test_the_pressure_of_a_curve_comes_back_within_its_error(surface):
     perfect = weier.Interface(**STEEL | {"rho_1": 0.0, "rho_2": 0.0}, lambda_0=1e-3, g_0=1e-6)
     with pytest.raises(ValueError, match="two perfect conductors"):
         perfect.find_pressure(surface, resistance=1e-10)
+
+
+def test_a_name_that_is_no_body_is_answered_by_the_nearest_one():
+    with pytest.raises(TypeError, match=r"^Interface takes mu_1, .*, got 'nu1': did you mean 'nu_1'\?$"):
+        weier.Interface(E_1=210e9, nu1=0.3, E_2=120e9, nu_2=0.34, rho_1=2e-7, rho_2=2e-8)

@@ -269,3 +269,33 @@ def test_no_contact_has_no_conductance_whatever_the_bodies_are():
     perfect = interface(rho_1=0.0, rho_2=0.0)
     assert perfect.resistance([0.0, 1.0, math.inf]).tolist() == [0.0, 0.0, math.inf]
     assert math.isnan(perfect.resistance(math.nan))
+
+
+NORMALISED_TWICE = [
+    lambda bodies, curve: interface(g_0=1e-6).in_si(bodies.in_si(curve)),
+    lambda bodies, curve: bodies.in_si(bodies.in_si(curve).drop_attrs(deep=False)),
+    lambda bodies, curve: bodies.pressure(bodies.in_si(curve).mean_pressure.variable),
+    lambda bodies, curve: solve(Profile(1.25, 5, 2), bodies.in_si(curve).mean_pressure, "demelio"),
+]
+
+
+@pytest.mark.parametrize("convert", NORMALISED_TWICE)
+def test_a_conversion_happens_once(convert, curve):
+    with pytest.raises(ValueError, match=r"(must be (normalised|in)|must have no unit)"):
+        convert(interface(), curve)
+
+
+def test_what_arithmetic_made_is_not_converted_by_the_unit_of_an_operand(curve):
+    """xarray keeps equal attributes: all of R/R' and 1/R, the units alone of h/R and h p."""
+    bodies = interface()
+    other = solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "patches")
+    h, R = curve.compliance, curve.resistance
+    with xr.set_options(keep_attrs=True):
+        made = [R / other.resistance, 1 / R, h / R, h * curve.mean_pressure]
+    for values in made:
+        with pytest.raises(ValueError, match=r"made (must be as weier returned it|has lost its unit)"):
+            bodies.in_si(curve.assign(made=values))
+    assert bodies.in_si(curve.assign(again=R)).again.units == "ohm m^2"
+    own = curve.assign(ratio=made[0])
+    own["ratio"].attrs = {"normalised_by": "1"}
+    np.testing.assert_array_equal(bodies.in_si(own).ratio.values, made[0].values)

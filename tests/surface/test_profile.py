@@ -240,3 +240,8 @@ def test_seeds_that_no_float_holds_are_refused():
 def test_random_phases_refuse_what_is_no_seed(seed):
     with pytest.raises(ValueError, match="seed must be a non-negative integer, got"):
         random_phases(seed)
+
+
+@pytest.mark.parametrize("profile", [*EXAMPLES, Profile(1.1, math.pi, 2, 1 / 3), Profile(1.5, 5, math.inf)])
+def test_the_repr_of_a_profile_makes_it(profile):
+    assert eval(repr(profile), {"Profile": Profile}) == profile
