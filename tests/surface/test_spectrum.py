@@ -406,3 +406,17 @@ def test_a_bend_that_is_not_significant_adds_its_effect_times_its_probability():
     pure = spectrum._law(band._replace(variance=band.k**-2.4), 1 / 8, 1 / 512, Fraction(2))
     bias = np.array([law.D - pure.D, math.log(law.g_0 / pure.g_0)])
     np.testing.assert_allclose(doubt * (1 + math.exp(MIN_BEND_GAIN - bend.gain)), bias**2, rtol=0.15)
+
+
+def test_missing_heights_that_are_filled_move_a_fit_little():
+    """A tenth of the heights, in runs of five: the straight lines lack the finest waves."""
+    random = np.random.default_rng(1)
+    line = random_line(1.25, 2000, random, 1 / 4)[0]
+    gone = np.zeros(2000, bool)
+    for start in random.choice(np.arange(10, 1980, 10), 40, replace=False):
+        gone[start : start + 5] = True
+    whole, filled = (
+        fit(Trace(z / line.std(), 2e-3, height_unit="um", max_gap=5)) for z in (line, np.where(gone, np.nan, line))
+    )
+    assert abs(filled.D - whole.D) < 0.5 * whole.D_error
+    assert filled.g_0 == pytest.approx(whole.g_0, rel=0.02)

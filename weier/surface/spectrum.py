@@ -404,7 +404,7 @@ def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
         f"the heights from x = {x[0]:.4g} to {x[1]:.4g} m, a {PARTS // width}th of the line, decide on the fit: D is "
         f"{law.D:.3g} +- {D_error:.1g} with them and {law.D + D_shift:.3g} without, g_0 {law.g_0:.3g} +- "
         f"{law.g_0 * g_0_error:.1g} m and {law.g_0 * math.exp(g_0_shift):.3g} m. Is there a scratch or dust? Cut the "
-        "line there, or write the heights as missing, nan, and say max_gap="
+        f"line there, or write the heights as missing, nan, and say max_gap={windows[at][1] - windows[at][0]}"
     )
 
 

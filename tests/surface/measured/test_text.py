@@ -588,3 +588,10 @@ def test_lengths_are_the_decimal_numbers_of_the_file(file):
         assert trace.lambda_0 == float(f"{200 * step:.6g}e-6")
         assert trace.shortest == float(f"{2 * step:.6g}e-6")
     assert Trace.read(file(column()), length=400, x_unit="um").lambda_0 == 4e-4
+
+
+@pytest.mark.parametrize(("form", "column"), [("12.05.2026,{}", 1), ("{},v1.0", 0), ("{},v1.0", 1)])
+def test_points_outside_the_heights_tell_nothing_of_their_comma(file, form, column):
+    rows = "\n".join(form.format(written(z).replace(".", ",")) for z in Z)
+    with pytest.raises(ValueError, match=r"line 1, has a comma of decimals, .* say decimal=',' for decimals"):
+        Trace.read(file(rows), columns=column, **ALONE)

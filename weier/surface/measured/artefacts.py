@@ -53,12 +53,13 @@ def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None
         heights = np.ma.masked_array(units.bare(heights.unmasked), heights.mask)
     values = units.bare(heights)
     if not isinstance(values, list | tuple) and hasattr(values, "__array__"):
-        with suppress(TypeError):  # a dataset of xarray is no array and is refused below
+        with suppress(TypeError):  # a dataset of xarray is no array
             values = np.asanyarray(values)
         if np.ma.isMaskedArray(values) and values.dtype.kind in "iuf":
             values = np.ma.filled(values.astype(float), math.nan)
     if isinstance(values, list | tuple) or getattr(values, "dtype", None) is np.dtype(object):
-        values = np.array([math.nan if _is_missing(height) else height for height in values], object)
+        with suppress(TypeError):  # nor are datasets in a list, which are refused below
+            values = np.array([math.nan if _is_missing(height) else height for height in values], object)
     z = checked_numbers("heights", values, "be finite or missing", lambda z: ~np.isinf(z))
     if z.ndim != 1:
         raise ValueError(f"heights must be one list, got an array of shape {z.shape}")
@@ -191,7 +192,7 @@ def _refuse_jump(kind: str, at: int, width: int, size: float, step: float, other
     more = f", and {others} more jumps from one height to the next" if others > 1 else ""
     raise ValueError(
         f"heights must not jump, got a {kind} of {size:.3g} m {where}{more}: cut the trace there, or write what is "
-        "between as missing, nan, and say max_gap="
+        f"between as missing, nan, and say max_gap={width}"
     )
 
 

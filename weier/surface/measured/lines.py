@@ -111,8 +111,12 @@ def length_of_steps(x: Array, length: float | None, place: Callable[[int], str])
     """
     rows, rise = np.arange(x.size), np.diff(x)
     step = float(np.polyfit(rows, x, 1)[0]) if np.isfinite(x).all() else math.nan
-    tolerance = min(max(EQUAL * step, 1.5 * _last_decimal(x)), MAX_ROUNDING * step, MAX_ERROR * rows[-1] * step)
-    if not (step > 0 and (rise >= 0).all() and np.ptp(x - step * rows) <= tolerance):
+    most = min(MAX_ROUNDING, MAX_ERROR * rows[-1]) * step
+    if not (
+        step > 0
+        and (rise >= 0).all()
+        and np.ptp(x - step * rows) <= min(max(EQUAL * step, 1.5 * _last_decimal(x)), most)
+    ):
         at = int(np.abs(rise - np.median(rise)).argmax()) + 1
         raise ValueError(
             f"positions must rise in equal steps, got {x[at]} at {place(at)}: say columns=(1, 0) if the positions "
@@ -121,7 +125,7 @@ def length_of_steps(x: Array, length: float | None, place: Callable[[int], str])
             "heights alone, as in columns=1, with the length"
         )
     own = step * x.size
-    if length is not None and abs(length - own) > tolerance:
+    if length is not None and abs(length - own) > most:
         raise ValueError(
             f"length must be that of {x.size} steps where positions go from {x[0]:g} to {x[-1]:g}, about {own:.6g}, "
             f"got {length:g}: leave out the length, or take the column of heights alone, as in columns=1"

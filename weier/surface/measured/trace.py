@@ -54,7 +54,7 @@ class Trace(Waves):
     ----------
     heights : array_like, shape (samples,)
         Heights at equal steps, upwards out of the body. NaN, None and masked values are missing. An xarray array may
-        have the attribute `units`.
+        have the attribute `units` and a coordinate of positions with a unit.
     length : float
         Length of the trace, the number of heights times the step, in m, or in `x_unit` or `unit` if given.
     shortest : float, optional
