@@ -169,7 +169,8 @@ rule data:
     message:
         "{wildcards.scene}: the data and the claims"
     shell:
-        "ln -f {params.made:q}/* {params.folder:q} 2>{log:q} || cp {params.made:q}/* {params.folder:q} 2>{log:q}"
+        "test -d {params.made:q} || {{ echo 'weier: not made, for the reason in results/logs/{wildcards.scene}/make' | tee {log:q}; exit 1; }}; "
+        "ln -f {params.made:q}/* {params.folder:q} 2>{log:q} || cp {params.made:q}/* {params.folder:q} 2>>{log:q}"
 
 
 use rule data as figure with:

@@ -208,7 +208,7 @@ def test_results_without_records_and_of_other_dates_are_not_made_again(finished)
 def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     fault = '    if quantity == "resistance":\n        raise ValueError("no ink")\n'
     edit(finished / "weier/figures/many_curves.py", "    return figure\n", f"{fault}    return figure\n")
-    killed = finished / "results/test/.made_of/all.0-of-3.abc.unfinished"
+    killed = finished / "results/test/.made_of/all.products.0-of-3.abc.unfinished"
     (killed / "page.html").mkdir(parents=True)
     stamps = sorted((finished / "results/test/.made_of").glob("*/two/*"))
     done = call(finished, "--latency-wait", "1", "--cores", "1", "--config", "scenes=test")

@@ -12,6 +12,7 @@ from weier.digests import numerics
 from weier.pipeline.needed_curves import Curves
 from weier.pipeline.products import made_of
 from weier.pipeline.store import Store
+from weier.pipeline.workflow import ALL
 
 SCENE = """
 title: test
@@ -43,7 +44,7 @@ def scene_file(tmp_path):
 
 def curves(scene_file, plan=None):
     """The arguments of the job of all curves."""
-    return ["curves", "all", 0, 1, plan or numerics(), scene_file.parent / "curves", scene_file]
+    return ["curves", ALL, 0, 1, plan or numerics(), scene_file.parent / "curves", scene_file]
 
 
 def make(scene_file):

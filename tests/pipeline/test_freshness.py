@@ -231,9 +231,7 @@ def test_each_key_of_a_scene_is_above():
     from weier.scene.models import SceneKeys, StudyKeys
 
     known = {
-        f"{part}{key}"
-        for part, of in (("", SceneKeys), ("study.", StudyKeys))
-        for key in of.keys()  # noqa: SIM118 - a method of models
+        f"{part}{key}" for part, names in (("", SceneKeys.keys()), ("study.", StudyKeys.keys())) for key in names
     }
     assert known == KEYS.keys()
 

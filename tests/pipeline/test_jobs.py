@@ -13,6 +13,7 @@ from weier.api import batch
 from weier.pipeline import jobs
 from weier.pipeline.gather import read_study
 from weier.pipeline.jobs import solve
+from weier.pipeline.workflow import ALL
 
 SCENE = {
     "title": "t",
@@ -84,7 +85,7 @@ run()
 @pytest.mark.parametrize("stop", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_a_job_that_is_stopped_keeps_its_curves_and_the_next_one_solves_the_rest(tmp_path, stop, ctrl_c):
     curves = curves_in(scene_in(tmp_path, SCENE | {"methods": ["archard", "demelio"]}), tmp_path / "curves")
-    arguments = ["curves", "all", "0", "1", curves.store.numerics, curves.store.folder, tmp_path / "scene.yaml"]
+    arguments = ["curves", ALL, "0", "1", curves.store.numerics, curves.store.folder, tmp_path / "scene.yaml"]
     command = [sys.executable, "-c", SLOW, *arguments]
     job = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     for _ in range(6):

@@ -117,3 +117,9 @@ def test_what_was_appended_outlives_a_kill(tmp_path):
     assert len(list((tmp_path / KIND.name / "now").iterdir())) == 2  # a segment, and what is no segment
     assert store.index(KIND.name).keys.tolist() == KEYS[:1].tolist()
     assert store.read(KIND, KEYS[:1], "compliance").tolist() == [[0, 1]]
+
+
+def test_either_of_two_solutions_of_a_curve_serves(store):
+    store.append(KIND, {KEYS[0]: row(0), KEYS[5]: row(5)}, "again")
+    assert store.read(KIND, KEYS[[0, 5, 1]], "compliance")[:, 0].tolist() == [0, 5, 1]
+    assert len(store.index(KIND.name).keys) == 6

@@ -72,7 +72,7 @@ def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
     together.all_files(of())
     found = [solved(together, product) for product in ("one", "two", "contact.nc")]
     assert found[0] == found[1] == found[2]
-    assert jobs(found[0]) == [("all", "0-of-1")]
+    assert jobs(found[0]) == [(workflow.ALL, "0-of-1")]
     solve_scene(alone.scene("test"), Path("results/curves"))
     assert solved(plan(), "contact.nc") == []
 
@@ -82,6 +82,14 @@ def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_i
         monkeypatch.setattr(workflow.Part, "seconds", seconds)  # of each part
         found = jobs(solved(plan(slots=slots), "one"))
         assert [job for _, job in found] == [f"{number}-of-{expected}" for number in range(expected)]
+
+
+def test_a_figure_may_be_called_all(folder):
+    """It is made alone if it is named."""
+    change(folder, "  one:", "  all:")
+    own = plan()
+    assert own.job("test", "all")[0].startswith("results/test/.made_of/all.0-of-1.")
+    assert len(own.stamps(of(what="all", number="0", jobs="1"))) == 1
 
 
 def test_a_wrong_scene_ends_in_one_sentence(folder):

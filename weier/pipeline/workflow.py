@@ -28,7 +28,7 @@ from weier.scene import Scene
 from weier.scene.identity import digest_of_keys
 
 CONFIG_KEYS = ("scenes",)  # keys that `snakemake --config` accepts
-ALL = "all"  # the curves of all products of the scenes of the configuration
+ALL = "all.products"  # of the scenes of the configuration; the name of a figure has no dot
 BETWEEN = "~"  # separates scene and product; neither name contains it
 # Minutes of a job in addition to the expected ones, for a busy disk; expected seconds may be wrong by this factor. A
 # job that needs more is run again with twice as many.
