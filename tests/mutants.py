@@ -36,7 +36,8 @@ class Clock:
     """Let tests fail that take more than 2 s of the processor."""
 
     @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_call(self):  # noqa: D102 - a hook of pytest
+    def pytest_runtest_call(self):
+        """Run a test, or its setup, under the limit."""
         signal.signal(signal.SIGPROF, lambda *_: pytest.fail("slow"))
         signal.setitimer(signal.ITIMER_PROF, 2)
         try:

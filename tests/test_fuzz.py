@@ -101,8 +101,7 @@ def folder(tmp_path, monkeypatch):
 FUZZED = {"scenes": (scenes(), check_scene), "texts": (TEXT, check_text)}
 
 
-@pytest.mark.filterwarnings("ignore:all (phases|loads)")  # doubts about their unit
-@pytest.mark.filterwarnings("ignore:.*is for one wave")
+@pytest.mark.filterwarnings("ignore::UserWarning")  # a doubt about a unit is as clear an answer as a refusal
 @examples(FEW, MANY)
 @pytest.mark.parametrize("kind", FUZZED)
 def test_whatever_is_given_is_taken_or_refused_in_a_sentence(kind, folder, how_many):

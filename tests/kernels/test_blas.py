@@ -1,8 +1,9 @@
 """Small matrices are solved on one thread, and the process gets its threads back."""
 
+from importlib import import_module
+
 import numpy as np
 import pytest
-import scipy.linalg  # noqa: F401 - it loads a BLAS of its own, whose threads are counted here, too
 from threadpoolctl import OpenBLASController, threadpool_info, threadpool_limits
 
 import weier
@@ -17,6 +18,7 @@ def threads() -> set[int]:
 
 @pytest.fixture(autouse=True)
 def two_threads():
+    import_module("scipy.linalg")  # loads a BLAS of its own, whose threads are counted, too
     before = threadpool_limits(limits=2, user_api="blas")
     OpenBLASController.clear_controlling_thread(force=True)
     yield

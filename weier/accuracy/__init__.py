@@ -1,6 +1,6 @@
 """Measurements of weier itself: errors, computing time, and coverage of the stated errors.
 
-`python -m weier.accuracy NAME` writes results/NAME/NAME.md.
+`python -m weier.accuracy NAME` writes results/NAME/NAME.md, and tradeoff draws a figure beside it.
 
 | name | what it measures |
 |---|---|

@@ -45,9 +45,7 @@ class Output:
         self.bodies = call.bodies and call.bodies.at(self.surface)
         given = {"methods": sorted(call.methods), "settings": call.settings}
         bodies = self.bodies and {name: value for name, value in vars(self.bodies).items() if value is not None}
-        surface = getattr(
-            self.surface, "digest", self.surface.parameters
-        )  # identifies a trace whatever the name of its file
+        surface = getattr(self.surface, "digest", self.surface.parameters)  # a trace, whatever its file is called
         parts = {"surface": surface, **given, "bodies": bodies, "code": numerics()}
         self.problem = {name: json.dumps(part, sort_keys=True) for name, part in parts.items()}
         check_target(self.part)
