@@ -8,7 +8,7 @@ import pytest
 
 import weier
 from tests.scene.test_traces import BODIES, HEIGHTS, X, write_heights
-from tests.scenes import scene_in, solve_scene, write_data
+from tests.scenes import curves_in, scene_in, solve_scene, write_data
 from weier.figures import many_curves, page, scene_checks, values
 from weier.pipeline.gather import read_study
 from weier.scene import SceneError
@@ -66,6 +66,19 @@ def test_the_data_are_those_of_an_interface_for_the_same_pressures(solved):
     text = (folder / "page.html").read_text()
     assert "Pressures are in MPa" in text
     assert '"axis_label":"mean pressure p (MPa)"' in text.replace(": ", ":")
+
+
+def test_a_scene_says_where_contacts_yield(solved):
+    folder, *_ = solved
+    hard = scene_in(folder, SCENE | {"interface": SCENE["interface"] | {"hardness_2": "1 GPa"}})
+    with pytest.warns(UserWarning, match="contacts yield from a mean pressure of .* MPa on, at . of 3 loads"):
+        write_data(curves_in(hard, folder / "curves"), folder / "hard.nc")
+    with weier.open_dataset(folder / "hard.nc") as data:
+        assert data.attrs["hardness_2"] == 1e9
+        expected = data.mean_pressure / data.contact_fraction
+        table = data.weier.table()
+        assert table["contact_pressure"].to_numpy() == pytest.approx(expected.transpose("case", ...).values.ravel())
+    page.write(curves_in(hard, folder / "curves"), folder / "page.html")  # without a warning
 
 
 def test_figures_are_in_si_units(solved):
