@@ -136,35 +136,28 @@ def parsed(name: str, value: Any, unit: str) -> Any:
     return float(found[1]) * (factor(name, found[2], unit) if found[2] else 1.0)
 
 
-def listed(name: str, text: str, unit: str) -> list[float]:
-    """Return the numbers of a text as "1,10 MPa", in `unit`; "1:10:40 MPa" are 40 numbers in equal ratios.
+def listed(name: str, text: str, unit: str) -> tuple[list[float], str]:
+    """Return the numbers of a text such as "1,10 MPa", in `unit`, and their own unit, which follows the last one.
 
-    All numbers have a unit, or none, or the last unit is that of all.
+    "1:10:40 MPa" are 40 numbers in equal ratios.
     """
     ranged = ":" in text
-    parts = [found for part in text.split(":" if ranged else ",") if (found := NUMBER.fullmatch(part))]
-    if len(parts) != (3 if ranged else text.count(",") + 1):
+    *parts, end = text.split(":" if ranged else ",")
+    try:
+        number, own = NUMBER.fullmatch(end).groups()  # type: ignore[union-attr]
+        values = [float(part) for part in (*parts, number)]
+    except (AttributeError, ValueError):
+        values = []
+    if len(values) != (3 if ranged else len(parts) + 1):
         raise ValueError(f'{name} must read "1,10 {unit}" or "first:last:count {unit}", got {text!r:.80}')
-    ends = parts[:2] if ranged else parts
-    own, given = [found[2] for found in ends], [found[2] for found in parts if found[2]]
-    if not all(own):
-        if len(given) > 1 or any(own[:-1]):
-            raise ValueError(f"{mixed(name, given[0])}, or one at the end for all, got {text!r:.80}")
-        own = (given or [unit]) * len(ends)
-    values = [float(found[1]) * factor(name, its_unit, unit) for found, its_unit in zip(ends, own, strict=True)]
+    scale = factor(name, own, unit) if own else 1.0
     if not ranged:
-        return values
-    (first, last), count = values, float(parts[2][1])
+        return [value * scale for value in values], own
+    first, last, count = values
     within = 2 <= count <= MAX_LISTED and count == int(count)
     if not (within and min(first, last) > 0 and max(first, last) < math.inf):
         raise ValueError(f"{name} must be 2 to {MAX_LISTED} positive numbers, got {text!r:.80}")
-    return [float(value) for value in np.geomspace(first, last, int(count))]
-
-
-def unit_in(text: str) -> str:
-    """Return the first unit in the text of a list, which `listed` parses; empty if there is none."""
-    parts = (NUMBER.fullmatch(part) for part in re.split("[,:]", text))
-    return next((found[2] for found in parts if found and found[2]), "")
+    return np.geomspace(first * scale, last * scale, int(count)).tolist(), own
 
 
 def mixed(name: str, unit: str) -> str:

@@ -95,7 +95,7 @@ def test_a_pattern_is_its_files_in_natural_order(folder):
     absolute = {"trace": OPTIONS | {"file": str(folder / "lab" / "*.csv")}, "methods": ["bem"]}
     assert len(load(folder, studies={"all": absolute}, figures={}).studies["all"]) == 3
     (folder / "lab" / "line 11.csv").write_text("x,z\n0,1.5\n1,rough\n")
-    with pytest.raises(scene.SceneError, match=r"trace\.file: lab/line 11\.csv: .*line 3, "):
+    with pytest.raises(scene.SceneError, match=r"trace\.file: .*lab/line 11\.csv: .*line 3, "):
         load(folder, studies={"batch": batch}, figures={})
     with pytest.raises(scene.SceneError, match=r"trace\.file: there is no file .*lab/\*\.dat"):
         load(folder, studies={"batch": {"trace": OPTIONS | {"file": "lab/*.dat"}, "methods": ["bem"]}}, figures={})
@@ -202,7 +202,9 @@ def test_each_line_of_a_map_is_a_case(folder, monkeypatch):
     assert len(loaded.distinct) == 3
     with pytest.raises(scene.SceneError, match=r"max_cases: .*at most 2 cases, got 3"):
         load(folder, studies={"all": all_lines}, figures={}, max_cases=2)
-    with pytest.raises(scene.SceneError, match=r"trace\.file: a map of 64 by 3 heights has many lines: say line=0"):
+    with pytest.raises(
+        scene.SceneError, match=r"trace\.file: .*map\.x3p: a map of 64 by 3 heights has many lines: say line=0"
+    ):
         load(folder, studies={"all": {"trace": of_map, "methods": ["bem"]}}, figures={})
 
 
@@ -221,6 +223,7 @@ def mine(methods=("bem",), **options):
     ("changes", "message"),
     [
         (mine(file="scene.yaml"), r"studies\.mine\.trace\.file: .*line \d+, "),
+        (mine(missing=5), r"studies\.mine\.trace\.missing: .*did you mean 'max_gap'\?"),
         (mine(["demelio"]), r'studies\.mine: method "demelio" is for the Weierstrass series, .*weier\.fit'),
         (
             {"figures": {"f": {"draw": "compliance", "studies": ["mine", "series"], "colour": "method"}}},

@@ -12,7 +12,7 @@ from typing import NoReturn
 
 import click
 
-from weier.cli import one_profile, report, rules, table
+from weier.cli import one_profile, rules, tables
 from weier.data.provenance import VERSION
 from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
@@ -51,8 +51,8 @@ def cli() -> None:
 for _command in (
     one_profile.solve,
     one_profile.plot,
-    report.report,
-    table.table,
+    tables.report,
+    tables.table,
     rules.compile,
     rules.adopt,
     rules.curves,

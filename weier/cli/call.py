@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,7 +13,6 @@ import xarray as xr
 from weier.api.interface import Interface
 from weier.api.solve import solve_under
 from weier.api.task import Known
-from weier.checks import readable
 from weier.cli.options import NEEDED, SERIES, Pressures
 from weier.data.si import with_pressures_in
 from weier.data.variables import LOADS, Status
@@ -22,12 +21,18 @@ from weier.methods.load_progress import INTERRUPTIONS
 from weier.methods.registry import default_method
 from weier.methods.settings import TOLERANCE
 from weier.scene import BY_DEFAULT, Figure, Grouping
+from weier.scene.case import read_traces
 from weier.scene.yaml import parse_yaml
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
 INTERFACE = "interface"  # key of a scene that holds the bodies
+# Reason in words for each status of a missing curve.
+WHY = {
+    Status.not_applicable: "does not apply",
+    Status.not_converged: "missed its tolerance",
+}
 
 
 class Call(NamedTuple):
@@ -37,35 +42,33 @@ class Call(NamedTuple):
     unit : the unit in which pressures were given; empty if there was none
     """
 
-    surfaces: list[Waves]
+    surfaces: Sequence[Waves]
     loads: Array
-    methods: list[str]
+    methods: Sequence[str]
     settings: Mapping[str, Any]
-    bodies: Interface | None = None
-    unit: str = ""
+    bodies: Interface | None
+    unit: str
 
     @classmethod
-    def from_options(
+    def of(
         cls,
         surfaces: Sequence[Waves],
-        loads: Array,
         bodies: Path | None,
-        pressures: Pressures | None,
+        given: Array | Pressures,
         methods: Sequence[str] = (),
         tolerance: float | None = None,
-        settings: Mapping[str, Any] | None = None,
+        settings: Iterable[tuple[str, str, Any]] = (),
     ) -> Call:
-        """Return the call for the options of a command; pressures take precedence over loads."""
-        if pressures is not None and bodies is None:
-            raise click.UsageError("--pressures are in Pa: name the two bodies by --si, or take --loads, in p_0*")
-        both, unit = None if bodies is None else read_bodies(bodies), ""
-        if pressures is not None:
-            loads, unit = pressures
-        elif both is not None:
+        """Return the call for the options of a command; `given` are loads, or pressures and their unit."""
+        both = None if bodies is None else read_bodies(bodies)
+        loads, unit = given if isinstance(given, tuple) else (given, "")
+        if both is not None and not isinstance(given, tuple):
             loads = both.at(surfaces[0]).pressure(loads)
-        listed = list(methods) or [default_method(*surfaces, within_tolerance=tolerance is not None)]
-        given = {**(settings or {})} | ({} if tolerance is None else {TOLERANCE: tolerance})
-        return cls(list(surfaces), np.unique(loads), listed, given, both, unit)
+        methods = methods or [default_method(*surfaces, within_tolerance=tolerance is not None)]
+        by_method: dict[str, Any] = {} if tolerance is None else {TOLERANCE: tolerance}
+        for method, name, value in settings:
+            by_method.setdefault(method, {})[name] = value
+        return cls(surfaces, np.unique(loads), list(methods), by_method, both, unit)
 
     def own_loads(self, surface: Waves) -> Array:
         """Return these loads in p_0* for a surface."""
@@ -82,7 +85,7 @@ class Call(NamedTuple):
         loads_of = None if self.bodies is None else self.own_loads
         stopped: BaseException | None = None
         try:
-            curves = solve_under(self.surfaces, self.loads, loads_of, self.methods, **options)
+            curves = solve_under(list(self.surfaces), self.loads, loads_of, self.methods, **options)
         except INTERRUPTIONS as stop:
             if getattr(stop, "curve", None) is None:
                 raise
@@ -108,6 +111,17 @@ def solved_loads(curves: xr.Dataset) -> xr.Dataset:
     return curves.isel({LOADS: np.isfinite(curves["compliance"].values).any(axis=(0, 1))})
 
 
+def check_solved(curves: xr.Dataset) -> None:
+    """Raise ValueError if a requested curve is missing."""
+    methods = curves["solution_method"].values.tolist()
+    numbers = [pair for case in curves["status"].values.tolist() for pair in zip(methods, case, strict=True)]
+    missing = [f"{method} {WHY[Status(number)]}" for method, number in numbers if number != Status.solved]
+    if missing:
+        raise ValueError(
+            f"{', '.join(dict.fromkeys(missing))}, for the reasons above; all other numbers were written"
+        )
+
+
 def read_bodies(path: Path) -> Interface:
     """Return the bodies of a YAML file, or of the key `interface` of a scene; values may have units."""
     given = parse_yaml(path.read_text(encoding="utf-8"))
@@ -118,14 +132,14 @@ def read_bodies(path: Path) -> Interface:
         raise ValueError(f"{path}: {error}") from None
 
 
-def surface_of(trace_file: Path | None, **options: Any) -> Waves:
+def surface_of(trace_file: Path | None, options: Mapping[str, Any]) -> Waves:
     """Return the series or the trace of the options of a command."""
-    given = {name: value for name, value in options.items() if value not in (None, (), [])}
+    given = {name: value for name, value in options.items() if value is not None}
     series = {name: given.pop(name) for name in SERIES if name in given}
     if trace_file is not None:
         if series:
             raise click.UsageError(f"a trace has no {', '.join(series)}: take --trace or a series")
-        if len(lines := lines_of(trace_file, **given)) > 1:
+        if len(lines := traces_of(trace_file, given)) > 1:
             raise click.UsageError(f"{trace_file} has {len(lines)} lines: name one by --line")
         return lines[0]
     if given:
@@ -137,14 +151,6 @@ def surface_of(trace_file: Path | None, **options: Any) -> Waves:
     return Profile(**series)
 
 
-def lines_of(file: Path, against: str | None = None, **options: Any) -> list[Trace]:
-    """Return the lines of a file, or the gaps between these and the line of the file of another body."""
-    try:
-        found = Trace.read(file, source=readable(file.name), **options)
-    except ValueError as error:
-        raise ValueError(f"{readable(str(file))}: {error}") from None
-    lines = found if isinstance(found, list) else [found]
-    if against is None:
-        return lines
-    (other,) = lines_of(Path(against), **options)
-    return [Trace.between(line, other) for line in lines]
+def traces_of(file: Path, options: Mapping[str, Any]) -> list[Trace]:
+    """Return the lines of a file by the options of a command, or the gaps to the line of another body."""
+    return read_traces({"file": str(file)} | {name: value for name, value in options.items() if value is not None})

@@ -1,15 +1,15 @@
-"""Common arguments and options of commands, and the parsing of their text."""
+"""Common arguments and options of commands, and how their texts are read."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 
 from weier import units
-from weier.checks import checked_numbers, checked_workers
+from weier.checks import checked_numbers
 from weier.data.files import check_target
 from weier.kernels.arrays import Array
 from weier.methods.method import TOLERANCES
@@ -19,26 +19,38 @@ from weier.scene.trace_keys import TRACE_KEYS, TraceKey
 from weier.scene.yaml import number_or_word, parse_yaml
 from weier.surface.loads import positive_loads
 
-Command = Callable[..., Any]
-Option = Callable[[Command], Command]
 Pressures = tuple[Array, str]  # values in Pa, and the unit given first, or empty
 
-LOADS = "1e-3:4:40"  # covers a single contact to full contact for usual profiles
-PLOTTED_LOADS = "1e-3:4:400"  # This many loads resolve the drops of the resistance at births.
+
+class Text(click.ParamType):  # type: ignore[type-arg]  # not generic in click 8.1
+    """A text that a function reads; its ValueError is wrong usage."""
+
+    name = "text"
+
+    def __init__(self, read: Callable[[str], Any]) -> None:
+        self.read = read
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return what the function reads."""
+        try:
+            return self.read(value)
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
 
 
-def _numbers(name: str, text: str, kind: type) -> list[Any]:
-    """Parse comma-separated numbers."""
-    try:
-        return [kind(part) for part in text.split(",")]
-    except ValueError:
-        raise ValueError(f"{name} must be numbers with commas between, as in 0,2, got {text!r:.80}") from None
+class Output(click.Path):
+    """A file that can be written, which is checked before anything is computed, with one of these suffixes."""
 
+    def __init__(self, *suffixes: str) -> None:
+        super().__init__(path_type=Path)
+        self.suffixes = suffixes
 
-def parse_phases(text: str) -> float | list[float]:
-    """Return phases from "1", the phase of every wave but the first, or "0,1,2", the phases of all waves."""
-    phases = _numbers("phases", text, float)
-    return phases if len(phases) > 1 else phases[0]
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """Return the path."""
+        check_target(path := Path(value))
+        if path.suffix not in self.suffixes:
+            self.fail(f"the name must end in one of {', '.join(self.suffixes)}, got {path.name}", param, ctx)
+        return path
 
 
 def check_free(path: Path, force: bool) -> None:
@@ -53,50 +65,30 @@ def check_line(loads: Array) -> None:
         raise click.BadParameter("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
 
 
-def parse_pressures(text: str) -> Pressures:
-    """Return positive pressures in Pa from a text such as "1,10MPa", and their unit."""
-    given = units.listed("pressures", text, units.PASCAL)
-    if not units.unit_in(text):
+def read_loads(text: str) -> Array:
+    """Return positive loads from a text such as "0.1,1" or "1e-3:4:40"."""
+    return positive_loads(units.listed("loads", text, units.NORMALISED_PRESSURE)[0])
+
+
+def _read_pressures(text: str) -> Pressures:
+    values, unit = units.listed("pressures", text, units.PASCAL)
+    if not unit:
         click.echo(f"--pressures {text}: taken in Pa, since no unit is given", err=True)
-    return checked_numbers("pressures", given, "be positive", lambda p: p > 0), units.unit_in(text)
+    return checked_numbers("pressures", values, "be positive", lambda p: p > 0), unit
 
 
-def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Return settings of methods from texts such as "bem.points_per_wave=32"."""
-    settings: dict[str, dict[str, Any]] = {}
-    for text in texts:
-        name, _, value = text.partition("=")
-        method, _, setting = name.partition(".")
-        if not (method and setting and value):
-            raise ValueError(f'a setting must read "method.name=value", such as layer.points=48, got {text!r:.80}')
-        settings.setdefault(method, {})[setting] = parse_yaml(value)
-    return settings
+def _read_phases(text: str) -> float | list[float]:
+    phases = [float(part) for part in text.split(",")]
+    return phases if len(phases) > 1 else phases[0]
 
 
-def _read(read: Callable[[Any], Any]) -> Callable[[click.Context, click.Parameter, Any], Any]:
-    """Return a callback that parses the text of an option; a ValueError becomes an error of usage."""
-
-    def callback(context: click.Context, option: click.Parameter, text: Any) -> Any:
-        try:
-            return None if text is None else read(text)
-        except ValueError as error:
-            raise click.BadParameter(str(error)) from None
-
-    return callback
-
-
-def writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path | None], Path | None]:
-    """Return a callback that checks, before anything is computed, that a file can be written."""
-
-    def callback(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
-        if path is None:
-            return None
-        check_target(path)
-        if suffixes and path.suffix not in suffixes:
-            raise click.BadParameter(f"the name must end in one of {', '.join(suffixes)}, got {path.name}")
-        return path
-
-    return callback
+def _read_setting(text: str) -> tuple[str, str, Any]:
+    """Return method, name and value from a text such as "bem.points_per_wave=32"."""
+    name, _, value = text.partition("=")
+    method, _, setting = name.partition(".")
+    if not (method and setting and value):
+        raise ValueError(f'a setting must read "method.name=value", such as layer.points=48, got {text!r:.80}')
+    return method, setting, parse_yaml(value)
 
 
 # The required options of a series, and all of its parameters.
@@ -108,12 +100,7 @@ SI = (
     "with the key interface. Traces have their own lambda_0 and g_0."
 )
 FORCE = click.option("--force", is_flag=True, help="Overwrite files that exist.")
-
-
-def output(name: str, *suffixes: str, required: bool = True) -> Option:
-    """Return an argument for an output file, limited to the suffixes, if any."""
-    return click.argument(name, type=FILE, required=required, callback=writable(*suffixes))
-
+SETTINGS = "\n\n".join(["Settings with their defaults, for --set:", *map(": ".join, described(METHODS))])
 
 SERIES_OPTIONS = (
     click.Option(["-D", "D"], type=float, help="Fractal dimension, between 1 and 2."),
@@ -123,104 +110,81 @@ SERIES_OPTIONS = (
     ),
     click.Option(
         ["--phases"],
-        callback=_read(parse_phases),
+        type=Text(_read_phases),
         help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
     ),
     click.Option(["--seed"], type=int, help="Seed of random phases."),
 )
 
 
-SOLUTION_OPTIONS = (
-    click.Option(
-        ["--method", "methods"],
-        multiple=True,
-        type=click.Choice(names()),
-        help="Method of solution; repeatable. "
-        f"{'. '.join(f'{method.name}: {method.summary}' for method in METHODS)}  "
-        f"[default: {EXACT.name}, or {WITHIN_TOLERANCE.name} with a tolerance; for plot: {', '.join(PLOTTED)}].",
-    ),
-    click.Option(
-        ["--tolerance"],
-        type=float,
-        help=f"Accepted error of the compliance, in g_0, in {TOLERANCES}, for all methods that take one, or for "
-        "auto.",
-    ),
-    click.Option(
-        ["--set", "settings"],
-        multiple=True,
-        metavar="METHOD.NAME=VALUE",
-        callback=_read(parse_settings),
-        help="Setting of a method, such as bem.points_per_wave=32; repeatable.",
-    ),
-    click.Option(
-        ["--workers"],
-        type=int,
-        default=1,
-        show_default=True,
-        callback=_read(checked_workers),
-        help="Number of processes for the curves of several methods; -1 for one per core.",
-    ),
-)
-
-
-class SolvingCommand(click.Command):
-    """A command with settings of methods, which its help lists below the options."""
-
-    def format_epilog(self, context: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write each setting with its default and meaning."""
-        with formatter.section("Settings with their defaults, for --set"):
-            formatter.write_dl(described(METHODS))
-
-
 def _trace_option(name: str, key: TraceKey) -> click.Option:
-    """Return the option of a key of measured heights; several numbers of columns are separated by commas."""
-    columns, repeatable = key.kind is int and key.several, key.several and key.kind in (str, object)
-
-    def read(given: Any) -> Any:
-        if columns:
-            return _numbers(name, given, int)
-        return [number_or_word(one) for one in given] if key.kind is object and key.several else given
-
-    return click.Option(
-        [f"--{name.replace('_', '-')}"],
-        type=click.Choice(key.kind) if isinstance(key.kind, tuple) else KINDS[str if columns else key.kind],
-        multiple=repeatable,
-        callback=_read(read),
-        help=f"{key.says} Repeatable." if repeatable else key.says.partition(" Several")[0],
-    )
+    """Return the option of a key of measured heights; several values are separated by commas."""
+    kind: Any = click.Choice(key.kind) if isinstance(key.kind, tuple) else key.kind
+    several = key.several and key.kind is not float
+    if several:
+        one: Callable[[str], Any] = number_or_word if key.kind is object else key.kind
+        kind = Text(lambda text: [one(part) for part in text.split(",")])
+    words = f"{key.says} Several are separated by commas." if several else key.says.partition(" Several")[0]
+    return click.Option([f"--{name.replace('_', '-')}"], type=kind, help=words)
 
 
-KINDS = {int: int, float: float, str: str, object: str}
-TRACE_OPTIONS = (
-    click.Option(
-        ["--trace", "trace_file"],
-        type=FILE,
-        help="Instead of a series: a text file with heights in one or two columns, or an instrument file.",
-    ),
-    *(_trace_option(name, key) for name, key in TRACE_KEYS.items() if name != "longest"),
+TRACE_OPTIONS = tuple(_trace_option(name, key) for name, key in TRACE_KEYS.items() if name != "longest")
+TOLERANCE_OPTION = click.Option(
+    ["--tolerance"],
+    type=float,
+    help=f"Accepted error of the compliance, in g_0, in {TOLERANCES}, for all methods that take one, or for auto.",
 )
-
-
+WORKERS_OPTION = click.Option(
+    ["--workers"],
+    type=int,
+    default=1,
+    show_default=True,
+    help="Number of processes for several curves; -1 for one per core.",
+)
 BODIES_OPTIONS = (
     click.Option(
         ["--si", "bodies"], type=FILE, help=f"Use Pa, m and ohm m^2, or K m^2/W for heat, for two bodies. {SI}"
     ),
     click.Option(
         ["--pressures"],
-        callback=_read(parse_pressures),
-        help='With --si, instead of --loads: mean pressures in a unit, as in "1,10MPa", "900kPa,2MPa" or '
-        '"1:100:20MPa"; without a unit in Pa. Results have the unit that is given.',
+        type=Text(_read_pressures),
+        help='With --si, instead of --loads: mean pressures in a unit, as in "1,10MPa" or "1:100:20MPa"; without a '
+        "unit in Pa. Results have the unit that is given.",
     ),
 )
 
 
 def one_profile_options(default_loads: str) -> list[click.Parameter]:
     """Return the options of a profile, its loads and the methods."""
-    loads = click.Option(
-        ["--loads"],
-        default=default_loads,
-        show_default=True,
-        callback=_read(lambda text: positive_loads(units.listed("loads", text, units.NORMALISED_PRESSURE))),
-        help='Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.',
-    )
-    return [*SERIES_OPTIONS, *TRACE_OPTIONS, loads, *BODIES_OPTIONS, *SOLUTION_OPTIONS]
+    return [
+        *SERIES_OPTIONS,
+        click.Option(
+            ["--trace", "trace_file"],
+            type=FILE,
+            help="Instead of a series: a text file with heights in one or two columns, or an instrument file.",
+        ),
+        *TRACE_OPTIONS,
+        click.Option(
+            ["--loads"],
+            type=Text(read_loads),
+            help=f'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios  [default: {default_loads}].',
+        ),
+        *BODIES_OPTIONS,
+        click.Option(
+            ["--method", "methods"],
+            multiple=True,
+            type=click.Choice(names()),
+            help="Method of solution; repeatable. "
+            f"{'. '.join(f'{method.name}: {method.summary}' for method in METHODS)}  "
+            f"[default: {EXACT.name}, or {WITHIN_TOLERANCE.name} with a tolerance; for plot: {', '.join(PLOTTED)}].",
+        ),
+        TOLERANCE_OPTION,
+        click.Option(
+            ["--set", "settings"],
+            multiple=True,
+            metavar="METHOD.NAME=VALUE",
+            type=Text(_read_setting),
+            help="Setting of a method, such as bem.points_per_wave=32; repeatable.",
+        ),
+        WORKERS_OPTION,
+    ]

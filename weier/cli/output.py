@@ -29,7 +29,7 @@ PROBLEM = "problem"  # attribute of a file, which identifies what is solved
 OTHERWISE = "name another file, or solve anew by --force"
 
 
-class Output:
+class SolutionFile:
     """The output file of `weier solve`, and a partial file with the loads solved so far.
 
     The partial file, such as curve.part.nc for curve.nc, is written every `SAVE_SECONDS`, and removed at the end.
@@ -44,9 +44,8 @@ class Output:
         (self.surface,) = call.surfaces
         self.bodies = call.bodies and call.bodies.at(self.surface)
         given = {"methods": sorted(call.methods), "settings": call.settings}
-        bodies = self.bodies and {name: value for name, value in vars(self.bodies).items() if value is not None}
         surface = getattr(self.surface, "digest", self.surface.parameters)  # a trace, whatever its file is called
-        parts = {"surface": surface, **given, "bodies": bodies, "code": numerics()}
+        parts = {"surface": surface, **given, "bodies": self.bodies and self.bodies.given, "code": numerics()}
         self.problem = {name: json.dumps(part, sort_keys=True) for name, part in parts.items()}
         check_target(self.part)
 

@@ -142,6 +142,11 @@ class Bodies:
             warnings.warn(doubt, stacklevel=3)  # points to the call of Interface
 
     @property
+    def given(self) -> dict[str, float]:
+        """The values of both bodies without those that are left out."""
+        return {name: value for name, value in vars(self).items() if value is not None}
+
+    @property
     def composite_modulus(self) -> float:
         """Composite modulus M, in Pa (3)."""
         return float(composite_modulus(mu_1=self.mu_1, nu_1=self.nu_1, mu_2=self.mu_2, nu_2=self.nu_2))
@@ -233,7 +238,7 @@ class Bodies:
         """
         check_normalised(data)
         scale = self._scale_of(data)
-        own = {name: value for name, value in vars(self).items() if value is not None}
+        own = self.given
         if not _varies(scale):
             own |= {name: float(value) for name, value in zip(TRACE_SCALE, scale, strict=True)}
         found = converted(data, self._scales(*scale)).assign_attrs(own)

@@ -19,17 +19,6 @@ if TYPE_CHECKING:
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
 LOCATED = (LOADS, "x")  # coordinates in normalised units
 BODIES = ("mu_1", "mu_2", "nu_1", "nu_2")  # attributes of a Dataset in SI units
-INTERFACE_ATTRIBUTES = (
-    *BODIES,
-    "rho_1",
-    "rho_2",
-    "k_1",
-    "k_2",
-    "hardness_1",
-    "hardness_2",
-    "lambda_0",
-    "g_0",
-)  # includes optional attributes
 CONVERT_DATASET = "convert the whole Dataset first, as in in_si(curve).resistance"
 
 

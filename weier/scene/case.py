@@ -146,10 +146,7 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, 
     traces = []
     for file, wavelength in itertools.product(files, shortest):
         own = {"file": file, **others} | ({} if wavelength is None else {"shortest": wavelength})
-        try:
-            traces += _traces_of_file(own, folder)
-        except ValueError as error:
-            raise (ValueError(f"{file}: {error}") if len(files) > 1 else error) from None
+        traces += _traces_of_file(own, folder)
     return traces
 
 
@@ -167,7 +164,7 @@ def random_parameters(values: Mapping[str, Any], seeds: Iterable[Any]) -> list[d
 def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
     parameters: dict[str, Any] = {"source": readable(values["file"]), **values}
     parameters |= {name: str(folder / values[name]) for name in ("file", AGAINST) if name in values}
-    traces = _read(parameters)
+    traces = read_traces(parameters)
     if "longest" in values:  # its value is in m
         parameters["longest"] *= UNITS[values.get("unit", values.get("x_unit", "m"))]
     lines = [{} if trace.line is None else {"line": trace.line} for trace in traces]
@@ -186,23 +183,23 @@ def _trace(parameters: Mapping[str, Any]) -> Trace:
     """Return a random line, or the trace of a file; ValueError if it has changed since its digest was computed."""
     if HURST in parameters:
         return gaussian(**parameters)
-    trace = _read(parameters)[0]
+    trace = read_traces(parameters)[0]
     if parameters["digest"] != trace.digest:
         files = " or ".join(parameters[name] for name in ("file", AGAINST) if name in parameters)
         raise ValueError(f"{files} has changed since its scene was read: run snakemake again")
     return trace
 
 
-def _read(parameters: Mapping[str, Any]) -> list[Trace]:
-    """Return the traces of a file, or the gaps between these and the trace of another body."""
+def read_traces(parameters: Mapping[str, Any]) -> list[Trace]:
+    """Return the traces of a file, or the gaps between these and the trace of another body.
+
+    The parameters are keywords of `Trace.read`, with `file` in place of `path`, and `against`.
+    """
     traces = _file_traces(parameters)
     if AGAINST not in parameters:
         return traces
     file = parameters[AGAINST]
-    try:
-        others = _file_traces({**parameters, "file": file, "source": readable(Path(file).name)})
-    except ValueError as error:
-        raise ValueError(f"{file}: {error}") from None
+    others = _file_traces({**parameters, "file": file, "source": readable(Path(file).name)})
     if len(others) > 1:
         raise ValueError(f"{AGAINST} must be a file of one line, got {len(others)} lines of {file}: name one by line")
     return [Trace.between(trace, others[0]) for trace in traces]
@@ -212,7 +209,10 @@ def _file_traces(parameters: Mapping[str, Any]) -> list[Trace]:
     """Return the traces of a file, cached by the digest of its content."""
     with checked_file(parameters["file"]).open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
-    found = _read_once(json.dumps(_arguments(parameters)), digest)
+    try:
+        found = _read_once(json.dumps(_arguments(parameters)), digest)
+    except ValueError as error:
+        raise ValueError(f"{readable(parameters['file'])}: {error}") from None
     return [found] if isinstance(found, Trace) else found
 
 

@@ -42,6 +42,7 @@ from weier.units import NORMALISED_PRESSURE, PASCAL, factor, mixed
 from weier.units import NUMBER as QUANTITY
 
 ABSENT: Any = None  # default of an optional key
+MIN_WORD = 3  # letters of a word that is not looked for in descriptions
 SURFACES = ("product", "cases", "trace", "random")  # a study has exactly one of these keys
 
 
@@ -392,7 +393,8 @@ def mistakes_of(error: ValidationError, raw: Any) -> Iterator[Mistake]:
 def _words(error: ErrorDetails, section: Any) -> str:
     """Return pydantic's message and the given value, or the message of a validator of weier.
 
-    An unknown key is compared with the keys of the kind of section that shares most keys with this section.
+    An unknown key is looked for in the descriptions of keys of the kind of section that shares most keys with this
+    one, and is compared with these keys.
     """
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
@@ -400,5 +402,7 @@ def _words(error: ErrorDetails, section: Any) -> str:
         return error["msg"]
     if error["type"] == "extra_forbidden":
         known = max((of.keys() for of in Section.__subclasses__()), key=lambda keys: len(keys & section.keys()))
-        return f"{error['msg']}{suggestion(error['loc'][-1], known)}"
+        word = str(error["loc"][-1])
+        meant = [key for key, says in known.items() if len(word) > MIN_WORD and f" {word} " in says]
+        return error["msg"] + (f": did you mean {meant[0]!r}?" if meant else suggestion(word, known))
     return f"{error['msg']}, got {shown(error['input'])}"

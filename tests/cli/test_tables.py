@@ -1,14 +1,18 @@
-"""Reports of several measured lines, from the files of instruments to tables and figures."""
+"""`weier table` and `weier report`: tables of a file, and of several measured lines."""
 
+import csv
+import re
 import sys
 
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
+import yaml
 
 import weier
 from weier.api.task import CurveTask
-from weier.cli import report
+from weier.cli import tables
 from weier.methods.errors import ConvergenceError
 from weier.methods.load_progress import reporting_to
 
@@ -63,7 +67,7 @@ def test_a_table_has_the_scatter_of_the_lines_in_the_unit_of_the_pressures(run, 
     [(1.23456789, 1e-9, 1.2346), (1.23456789, 0.02, 1.23), (1.2e-9, 4e-9, 1e-9), (3.456e-12, 3.456e-12, 3.5e-12)],
 )
 def test_numbers_are_rounded_to_the_digits_that_errors_leave(value, error, expected):
-    assert report._rounded(value, error) == expected
+    assert tables._rounded(value, error) == expected
 
 
 def test_all_columns_are_of_each_line(run, lines):
@@ -148,3 +152,70 @@ def test_what_cannot_be_reported_is_refused_before_it_is_solved(run, lines, tmp_
     code, _, err = run("report", *options)
     assert code in (1, 2)
     assert why in " ".join(err.split())
+
+
+SCALED = BODIES | {"rho_1": 1.4e-7, "lambda_0": 1e-3, "g_0": 1e-6}
+
+
+def bodies(**changes):
+    return "".join(f"{name}: {value}\n" for name, value in (SCALED | changes).items())
+
+
+def curve():
+    return weier.solve(weier.Profile(D=1.25, gamma=5, m=2, phases=1.0), [0.1, 1.0], "demelio")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """With a file of one curve and one of two bodies."""
+    monkeypatch.chdir(tmp_path)
+    curve().to_netcdf(tmp_path / "curve.nc")
+    (tmp_path / "bodies.yaml").write_text(bodies())
+    return tmp_path
+
+
+def rows(text):
+    return list(csv.DictReader(text.splitlines()))
+
+
+def test_a_table_goes_to_a_file_and_to_standard_output(run, folder):
+    code, out, _ = run("table", "curve.nc")
+    assert code == 0
+    assert run("table", "curve.nc", "curves.csv") == (0, "", "")
+    assert (folder / "curves.csv").read_text() == out
+    assert [float(row["compliance (g_0)"]) for row in rows(out)] == curve().compliance.values.tolist()
+    assert {row["phases (rad)"] for row in rows(out)} == {"[0.0, 1.0]"}
+
+
+def test_bodies_may_stand_in_a_scene_and_with_units(run, folder):
+    expected = weier.Interface(**SCALED).in_si(curve()).resistance.values
+    with_units = {"E_1": "210 GPa", "rho_1": "14 uohm cm", "lambda_0": "1 mm"}
+    (folder / "units.yaml").write_text(bodies(**with_units))
+    (folder / "scene.yaml").write_text(yaml.safe_dump({"title": "t", "interface": SCALED | with_units}))
+    for given in ("bodies.yaml", "units.yaml", "scene.yaml"):
+        code, out, err = run("table", "curve.nc", "--si", given)
+        assert (code, err) == (0, "")
+        assert [float(row["resistance (ohm m^2)"]) for row in rows(out)] == pytest.approx(expected, rel=1e-14)
+
+
+WRONG_BODIES = [
+    ("mu_1: 1.0\n", "bodies.yaml: missing 2 required keyword-only arguments: 'nu_1' and 'nu_2'"),
+    (bodies(E_1="80 mm"), "E_1 must be in Pa, got values in mm"),
+]
+
+
+@pytest.mark.parametrize(("text", "why"), WRONG_BODIES)
+def test_bodies_that_are_wrong_are_refused_in_a_sentence(run, folder, text, why):
+    (folder / "bodies.yaml").write_text(text)
+    code, out, err = run("table", "curve.nc", "--si", "bodies.yaml")
+    assert (code, out, err.count("\n")) == (1, "", 1)
+    assert re.search(why, err)
+
+
+def test_files_of_others_are_refused_in_a_sentence(run, folder):
+    curve().drop_vars("D").to_netcdf("no_d.nc")
+    xr.Dataset({"x": [1.0]}).to_netcdf("foreign.nc")
+    for name, why in {"no_d": "there is no D", "foreign": "not of weier", "none": "there is no file none.nc"}.items():
+        code, out, err = run("table", f"{name}.nc")
+        assert (code, out, err.count("\n")) == (1, "", 1)
+        assert why in err

@@ -1,4 +1,4 @@
-"""`weier report`: tables and figures of several measured lines under common pressures."""
+"""Tables of curves: `weier table` writes those of a file, and `weier report` solves several measured lines."""
 
 from __future__ import annotations
 
@@ -12,14 +12,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from weier import units
 from weier.cli import options
+from weier.cli.options import FILE, FORCE, SI, Output
 from weier.data import markdown
-from weier.data.ensembles import CLOSE_CUTOFFS
+from weier.data.curves import CONTACT_PRESSURE
+from weier.data.ensembles import CLOSE_CUTOFFS, PERCENTILES
 from weier.data.files import replacing, write_text
+from weier.methods.curve import QUANTITIES
 from weier.scene import Grouping
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
     from weier.surface.measured.trace import Trace
 
@@ -37,30 +42,59 @@ COLUMNS = {
 MAX_DIGITS = 5
 TABLES, PICTURES, DATA = (".csv", ".xlsx", ".tex", ".md"), (".png", ".pdf", ".svg"), ".nc"
 PACKAGES = {".xlsx": "openpyxl", ".tex": "jinja2"}
-WRITABLE = options.writable(*TABLES, *PICTURES, DATA)
-UNIT, STATISTIC = re.compile(r" \(.*\)$"), re.compile(r"_(median|percentile_\d+|numerical_error)$")
+# end of a column name that follows the name of a quantity
+STATISTIC_SUFFIX = re.compile(f"_(mean|deviation|{'|'.join(PERCENTILES)}|numerical_error)$")
+
+
+@click.command()
+@click.argument("contact", type=FILE)
+@click.argument("path", type=Output(".csv"), required=False)
+@click.option("--si", "bodies", type=FILE, help=f"Write SI units. {SI}")
+@click.option(
+    "--ensemble",
+    is_flag=True,
+    help="Write the mean of each ensemble, the cases of a study that differ in phases, seed or file alone, with the "
+    "standard deviation and the numerical error.",
+)
+def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool) -> None:
+    """Write the curves of a file as a table, also in SI units.
+
+    CONTACT is a netCDF file, of a scene or of `weier solve`, in SI units if the loads of the scene are. The table has
+    one row a load. It goes to PATH or, without one, to standard output.
+
+    \b
+    weier table results/paper/contact.nc curves.csv
+    weier table curve.nc --si bodies.yaml
+    weier table results/paper/contact.nc --ensemble --si bodies.yaml
+    """  # noqa: D301 - click wants the character
+    from weier.cli.call import read_bodies
+    from weier.data import dataset  # xarray takes half a second, and the help of the command needs none of it
+    from weier.data.selection import as_cases
+
+    with dataset.open_dataset(contact) as data:
+        curves = as_cases(data) if bodies is None else read_bodies(bodies).in_si(as_cases(data))
+        text = str(_table(curves, ensemble).to_csv(index=False))
+    if path is None:
+        click.echo(text, nl=False)
+    else:
+        write_text(path, text)
 
 
 @click.command(
-    params=[
-        *options.TRACE_OPTIONS[1:],
-        *options.BODIES_OPTIONS,
-        *(one for one in options.SOLUTION_OPTIONS if one.name in ("tolerance", "workers")),
-    ]
+    params=[*options.TRACE_OPTIONS, *options.BODIES_OPTIONS, options.TOLERANCE_OPTION, options.WORKERS_OPTION]
 )
-@click.argument("files", nargs=-1, required=True, type=options.FILE)
+@click.argument("files", nargs=-1, required=True, type=FILE)
 @click.option(
     "-o",
     "--output",
     "outputs",
     multiple=True,
-    type=options.FILE,
-    callback=lambda context, option, paths: [WRITABLE(context, option, path) for path in paths],
+    type=Output(*TABLES, *PICTURES, DATA),
     help="Write here, by the suffix: a table as .csv, .xlsx, .tex or .md, a figure as .png, .pdf or .svg, all "
     "curves as .nc; repeatable. By default, the table is printed.",
 )
 @click.option("--all", "everything", is_flag=True, help="Write tables of all columns and digits, one row per line.")
-@options.FORCE
+@FORCE
 def report(
     files: Sequence[Path],
     outputs: Sequence[Path],
@@ -92,12 +126,11 @@ def report(
             options.check_line(pressures[0])
         if path.suffix in PACKAGES:
             import_module(PACKAGES[path.suffix])  # an extra installs it; the error names it
-    from weier.cli.call import Call  # xarray takes half a second, and the help needs none of it
-    from weier.cli.result import check_solved, table_of
+    from weier.cli.call import Call, check_solved  # xarray takes half a second, and the help needs none of it
     from weier.data import dataset
 
     lines = _lines(files, trace_options)
-    call = Call.from_options(lines, pressures[0], bodies, pressures, tolerance=tolerance)
+    call = Call.of(lines, bodies, pressures, tolerance=tolerance)
     curves, stop = call.solve(workers)
     done = curves["compliance"].notnull().all(("solution_method", "mean_pressure")).values
     all_count, lines = len({line.digest for line in lines}), list(compress(lines, done))
@@ -107,17 +140,17 @@ def report(
     data, count = call.in_units(solved), len({line.digest for line in lines})
     counted = f"{count} of {all_count}" if count < all_count else f"{count}"
     title = f"{counted} line{'s' * (all_count > 1)}: {', '.join(dict.fromkeys(line.source for line in lines))}"
-    table = table_of(data) if everything else _columns(table_of(data, ensemble=True), count > 1)
+    frame = _table(data) if everything else _summary(data, count > 1)
     for path in outputs:
         if path.suffix == DATA:
             dataset.write(data, path, title, "solved")
         elif path.suffix in PICTURES:
             call.draw(solved, path, "resistance", Grouping(median_over=("trace",) * (count > 1)))
         else:
-            _write_table(table, path)
+            _write_table(frame, path)
     click.echo(title, err=bool(outputs))
     if not outputs:
-        click.echo(_markdown(table), nl=False)
+        click.echo(_markdown(frame), nl=False)
     if stop is not None:
         raise stop
     check_solved(curves)
@@ -125,10 +158,9 @@ def report(
 
 def _lines(files: Sequence[Path], trace_options: dict[str, Any]) -> list[Trace]:
     """Return the lines of all files; ValueError unless they have one shortest wavelength, within 1 %."""
-    from weier.cli.call import lines_of
+    from weier.cli.call import traces_of
 
-    given = {name: value for name, value in trace_options.items() if value not in (None, (), [])}
-    lines = [line for file in files for line in lines_of(file, **given)]
+    lines = [line for file in files for line in traces_of(file, trace_options)]
     shortest = sorted(line.shortest for line in lines)
     if shortest[-1] > (1 + CLOSE_CUTOFFS) * shortest[0]:
         raise ValueError(
@@ -138,20 +170,36 @@ def _lines(files: Sequence[Path], trace_options: dict[str, Any]) -> list[Trace]:
     return lines
 
 
-def _columns(ensemble: pd.DataFrame, several: bool) -> pd.DataFrame:
-    """Return the columns of a report with headings and units, rounded by their numerical errors.
+def _frame(data: xr.Dataset, ensemble: bool = False) -> pd.DataFrame:
+    """Return the table of curves, or of their ensembles, with errors called numerical."""
+    found = data.weier.ensemble() if ensemble else data.weier.table()
+    return found.rename(columns={f"{name}_error": f"{name}_numerical_error" for name in QUANTITIES})
+
+
+def _table(data: xr.Dataset, ensemble: bool = False) -> pd.DataFrame:
+    """Return the table of curves, or of their ensembles, with units in its headings."""
+    return _frame(data, ensemble).rename(columns=lambda name: name + _unit(data, name))
+
+
+def _unit(data: xr.Dataset, column: str) -> str:
+    """Return the end of the heading of a column: its unit in brackets."""
+    name = column if column in data.variables else STATISTIC_SUFFIX.sub("", column)
+    unit = units.unit_of(data.get("mean_pressure" if name == CONTACT_PRESSURE else name))
+    return "" if unit in units.WITHOUT else f" ({unit})"
+
+
+def _summary(data: xr.Dataset, several: bool) -> pd.DataFrame:
+    """Return the table of a report: the columns of `COLUMNS`, rounded by their numerical errors.
 
     A single line has no percentiles, and its headings name the quantity alone.
     """
-    names = {UNIT.sub("", name): name for name in ensemble}
-    found = {}
-    for name, meaning in COLUMNS.items():
-        if name in names and (several or "percentile" not in name):
-            values = ensemble[names[name]]
-            errors = ensemble.get(names.get(f"{STATISTIC.sub('', name)}_numerical_error"), 0 * values)
-            heading = meaning if several else meaning.removesuffix(", median")
-            found[heading + names[name].removeprefix(name)] = list(map(_rounded, values, errors))
-    return type(ensemble)(found)
+    frame, found = _frame(data, ensemble=True), {}
+    for name, heading in COLUMNS.items():
+        if name in frame and (several or "percentile" not in name):
+            errors = frame.get(f"{STATISTIC_SUFFIX.sub('', name)}_numerical_error", 0 * frame[name])
+            heading = heading if several else heading.removesuffix(", median")
+            found[heading + _unit(data, name)] = list(map(_rounded, frame[name], errors))
+    return type(frame)(found)
 
 
 def _rounded(value: float, error: float) -> float:
@@ -162,19 +210,19 @@ def _rounded(value: float, error: float) -> float:
     return float(f"{value:.{min(max(below + 1 + (value == error), 1), MAX_DIGITS)}g}")
 
 
-def _write_table(table: pd.DataFrame, path: Path) -> None:
+def _write_table(frame: pd.DataFrame, path: Path) -> None:
     """Write a table in the format of a suffix."""
     if path.suffix == ".csv":
-        write_text(path, table.to_csv(index=False))
+        write_text(path, frame.to_csv(index=False))
     elif path.suffix == ".tex":
-        write_text(path, table.to_latex(index=False, escape=True, float_format=str))
+        write_text(path, frame.to_latex(index=False, escape=True, float_format=str))
     elif path.suffix == ".md":
-        write_text(path, _markdown(table))
+        write_text(path, _markdown(frame))
     else:
         with replacing(path) as temporary, temporary.open("wb") as file:
-            table.to_excel(file, index=False, engine="openpyxl")
+            frame.to_excel(file, index=False, engine="openpyxl")
 
 
-def _markdown(table: pd.DataFrame) -> str:
-    head, *rows = ([markdown.plain(str(cell)) for cell in row] for row in (table, *table.to_numpy().tolist()))
+def _markdown(frame: pd.DataFrame) -> str:
+    head, *rows = ([markdown.plain(str(cell)) for cell in row] for row in (frame, *frame.to_numpy().tolist()))
     return f"{markdown.table(head, rows)}\n"
