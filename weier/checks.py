@@ -37,23 +37,7 @@ def checked_number(
 ) -> float:
     """Return a number as a float; a quantity with a unit of its own is converted to `unit`.
 
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    value : object
-        The given value.
-    condition : str
-        The condition on the number, in words that follow "must", such as "be positive".
-    holds : callable
-        Whether a float meets the condition.
-    unit : str
-        Unit of the argument, such as "Pa"; by default a plain number.
-
-    Raises
-    ------
-    ValueError
-        If the value is not a number, has a unit of another quantity, or does not meet the condition.
+    The words of the condition follow "must", as in "be positive"; `holds` tells whether a float meets it.
     """
     number = None if isinstance(value, list | tuple) else _number(units.in_unit(name, value, unit))
     if number is None or not holds(number):
@@ -64,7 +48,7 @@ def checked_number(
 def checked_numbers(
     name: str, values: Any, condition: str = "be numbers", holds: Condition = np.isreal, unit: str = units.NONE
 ) -> Array:
-    """Return numbers, an array or a nested list, as an array of floats of the same shape (`checked_number`).
+    """Return numbers, an array or a nested list, as an array of floats of the same shape.
 
     NaN counts as a number unless `holds`, which takes the whole array, refuses it.
     """
@@ -79,11 +63,8 @@ def checked_numbers(
 def checked_count(name: str, value: Any, least: int, most: float = math.inf) -> int:
     """Return a whole number from `least` to `most`."""
     within = f"at least {least}" if math.isinf(most) else f"from {least} to {most:.10g}"
-
-    def holds(number: float) -> bool:
-        return least <= number <= most and number == number // 1  # excludes inf
-
-    return int(checked_number(name, value, f"be a whole number, {within}", holds))
+    condition = f"be a whole number, {within}"
+    return int(checked_number(name, value, condition, lambda number: least <= number <= most and number.is_integer()))
 
 
 def checked_workers(workers: Any) -> int:
@@ -92,13 +73,11 @@ def checked_workers(workers: Any) -> int:
         "workers",
         workers,
         f"be a whole number, at least 1, or {ALL_CORES} for all cores",
-        lambda number: number == ALL_CORES or (number >= 1 and number == number // 1),  # excludes inf
+        lambda number: number == ALL_CORES or (number >= 1 and number.is_integer()),
     )
-    return _cores() if number == ALL_CORES else int(number)
-
-
-def _cores() -> int:
-    """Return the cores that this process may use, which a cluster or `taskset` may have limited."""
+    if number != ALL_CORES:
+        return int(number)
+    # a cluster or `taskset` may have limited the cores
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -117,17 +96,11 @@ def unknown(name: str, value: Any, choices: Iterable[str]) -> str:
 
 def suggestion(value: Any, choices: Iterable[str]) -> str:
     """Return the end of a message that suggests the choice nearest to a mistyped word; empty if none is near."""
-    near = nearest(value, choices)
-    return f": did you mean {near!r}?" if near else ""
-
-
-def nearest(value: Any, choices: Iterable[str], similarity: float = 0.6) -> str:
-    """Return the choice nearest to a mistyped word, ignoring case; empty below this similarity (of difflib)."""
     if not isinstance(value, str):
         return ""
     folded = {choice.casefold(): choice for choice in choices}
-    near = get_close_matches(value[:MAX_SHOWN].casefold(), folded, n=1, cutoff=similarity)
-    return folded[near[0]] if near else ""
+    near = get_close_matches(value[:MAX_SHOWN].casefold(), folded, n=1)
+    return f": did you mean {folded[near[0]]!r}?" if near else ""
 
 
 def checked_flag(name: str, value: Any) -> bool:
@@ -158,8 +131,7 @@ def checked_file(path: Any) -> Path:
         raise ValueError(f"path must be the name of a file, got {shown(path)}")
     file = Path(path)
     if not file.is_file():
-        name = file if str(file).isprintable() else repr(str(file))
-        raise FileNotFoundError(f"there is no file {name}{': that is a folder' if file.is_dir() else ''}")
+        raise FileNotFoundError(f"there is no file {readable(str(file))}{': that is a folder' * file.is_dir()}")
     return file
 
 
@@ -206,17 +178,8 @@ def _numbers(name: str, values: Any, unit: str) -> Array:
 
 
 def _array(values: Any) -> np.ndarray[Any, Any] | None:
-    """Return the values as an array that keeps the types of its elements; None if they form none, or hold bytes."""
+    """Return the values as an array that keeps the types of its elements; None if they form none."""
     try:
-        if hasattr(values, "__array__"):
-            return np.asanyarray(values)
-        return None if _holds_bytes(values) else np.array(values, object)
+        return np.asanyarray(values) if hasattr(values, "__array__") else np.array(values, object)
     except (TypeError, ValueError):  # an xarray.Dataset, or incompatible shapes
         return None
-
-
-def _holds_bytes(values: Any) -> bool:
-    """Return whether the value is bytes or a nested list with bytes, which NumPy would read as integers."""
-    if isinstance(values, list | tuple):
-        return any(map(_holds_bytes, values))
-    return isinstance(values, bytearray | memoryview)

@@ -79,15 +79,7 @@ def unit_of(values: Any) -> str:
 
 
 def in_unit(name: str, values: Any, unit: str) -> Any:
-    """Return plain numbers in `unit`; values without a unit are returned unchanged.
-
-    Lists are converted element by element.
-
-    Raises
-    ------
-    ValueError
-        If the unit is unknown, or is of another quantity, or if only some elements of a list have one.
-    """
+    """Return plain numbers in `unit`; values without a unit are unchanged, and lists converted element by element."""
     if type(values) in (float, int):
         return values
     if isinstance(values, list | tuple):
@@ -96,10 +88,7 @@ def in_unit(name: str, values: Any, unit: str) -> Any:
         if foreign and "" in named:
             raise ValueError(mixed(name, foreign))
         return [in_unit(name, value, unit) for value in values]
-    given = unit_of(values)
-    if not given:
-        return values
-    scale = factor(name, given, unit)
+    scale = factor(name, given, unit) if (given := unit_of(values)) else 1
     return bare(values) if scale == 1 else bare(values) * scale
 
 

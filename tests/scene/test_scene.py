@@ -71,7 +71,7 @@ def test_a_list_of_cases_is_itself(tmp_path):
         {"D": 1.5, "gamma": 3, "m": 1},
         {"D": 1.5, "gamma": 3, "m": float("inf")},
     ]
-    cases = scene.load(write(tmp_path, studies={"one": {"cases": rows}})).studies["one"]
+    cases = [*scene.load(write(tmp_path, studies={"one": {"cases": rows}})).studies["one"]]
     assert [case.profile.m for case in cases] == [2, 1, np.inf]
     assert cases[0].profile.phase == pytest.approx([0, 1])
 

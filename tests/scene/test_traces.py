@@ -59,7 +59,7 @@ def test_two_rough_bodies_are_the_sum_of_two_files(folder):
     write_heights(folder / "bush.csv", HEIGHTS[::-1])
     write_heights(folder / "liner.csv", 0.3 * HEIGHTS + 1e-7 * np.cos(2 * np.pi * X / 8e-6))
     study = {"trace": OPTIONS | {"file": ["shaft.csv", "bush.csv"], "against": "liner.csv"}, "methods": ["bem"]}
-    cases = load(folder, studies={"pairs": study}, figures={}).studies["pairs"]
+    cases = [*load(folder, studies={"pairs": study}, figures={}).studies["pairs"]]
     shaft, bush, liner = (
         Trace.read(folder / f"{name}.csv", shortest=8e-6, ends="periodic", unit="m")
         for name in ("shaft", "bush", "liner")
@@ -151,7 +151,7 @@ def test_curves_of_a_trace_go_through_files_beside_those_of_a_series(folder):
     solutions = solve_scene(loaded, folder / "curves")
     write_data(solutions, folder / "contact.nc")
     data = dataset.read(folder / "contact.nc")
-    trace = loaded.studies["mine"][0].profile
+    trace = next(iter(loaded.studies["mine"])).profile
     assert data["trace"].values.tolist() == ["shaft.csv", ""]
     assert data["trace_digest"].values.tolist() == [trace.digest, ""]
     assert data["trace_length"].values[0] == trace.lambda_0

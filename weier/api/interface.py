@@ -116,6 +116,8 @@ class Interface(Bodies):
             "pressure", pressure, "be positive", lambda p: (p > 0) & (p < np.inf), units.PASCAL
         )
         pressures = np.atleast_1d(positive)
+        if pressures.ndim > 1 or not pressures.size:
+            raise ValueError(f"pressure must be a list of pressures, got an array of shape {pressures.shape}")
         surfaces: list[Any] = list(surface) if isinstance(surface, list | tuple) and surface else [surface]
         for one in surfaces:
             checked_surface(one, "surface")

@@ -171,15 +171,7 @@ class Bodies:
     def at(self, surface: Any) -> Bodies:
         """Return both bodies with lambda_0 and g_0 of a trace, or with those given here for a series.
 
-        Parameters
-        ----------
-        surface : Profile, Trace or Dataset
-            The surface, or one curve of it.
-
-        Raises
-        ------
-        ValueError
-            If the surface is a series, and this interface has no lambda_0 and g_0.
+        The surface is a Profile, a Trace or a Dataset of one curve; ValueError is raised without a scale of a series.
         """
         lambda_0, g_0 = self._scale_of(surface)
         if _varies((lambda_0, g_0)):
@@ -303,6 +295,10 @@ class Bodies:
         """The value and the SI name of each normalised unit."""
         return self._scales(*self._scale())
 
+    def scales_of(self, data: xr.Dataset) -> dict[str, tuple[Array, str]]:
+        """Return the value and the SI name of each normalised unit of curves, for all cases or per case."""
+        return self._scales(*self._scale_of(data))
+
     def _scales(self, lambda_0: Array, g_0: Array) -> dict[str, tuple[Array, str]]:
         """Return the SI value of each normalised unit for given lambda_0 and g_0."""
         p = full_contact_pressure(self.composite_modulus, lambda_0, g_0)
@@ -326,11 +322,6 @@ Bodies.__signature__ = inspect.Signature(list(inspect.signature(Bodies.__init__)
 
 def _unit(name: str) -> str:
     return RANGES[name][2] if name in RANGES else units.NONE
-
-
-def scales_of(bodies: Bodies, data: xr.Dataset) -> dict[str, tuple[Array, str]]:
-    """Return the value and the name in SI of each normalised unit, for all cases or per case."""
-    return bodies._scales(*bodies._scale_of(data))
 
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Mapping, Sequence
-from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from weier.checks import shown
+from weier.checks import checked_file
 from weier.data import netcdf, provenance, variables
 from weier.data.files import replacing
 from weier.data.selection import NEEDED, as_cases, name_cases
@@ -102,6 +101,7 @@ def read(path: str | Path) -> xr.Dataset:
 
 def open_lazily(path: str | Path) -> xr.Dataset:
     """Return a netCDF file of weier, opened lazily: its values are read on access."""
+    checked_file(path)
     try:
         parts = xr.open_groups(path, engine="netcdf4", cache=False)
     except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # attributes raise too
@@ -152,8 +152,6 @@ def open_dataset(path: str | Path) -> xr.Dataset:
     ...     print(curve.sel(mean_pressure=0.09, method="nearest").values.round(4))
     [0.4044]
     """
-    if not isinstance(path, str | PathLike):
-        raise ValueError(f"path must be the name of a file, got {shown(path)}")
     data = open_lazily(path)
     if not set(NEEDED) <= data.variables.keys():  # the file has no curves
         return data

@@ -20,11 +20,9 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """
     check_target(path)
     path = Path(os.path.realpath(path))
-    temporary = path.with_name(f".{path.name}.{_host()}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise _unwritable(path, error) from None
+    host = socket.gethostname().partition(".")[0]
+    temporary = path.with_name(f".{path.name}.{host}.{os.getpid()}")
+    path.parent.mkdir(parents=True, exist_ok=True)
     try:
         yield temporary
         os.replace(temporary, path)
@@ -60,10 +58,6 @@ def check_target(path: str | Path) -> None:
         reasons = {str(error.strerror): True}
     for reason in (reason for reason, holds in reasons.items() if holds):
         raise OSError(f"{path} cannot be written ({reason}): name another file, in a folder that you can write to")
-
-
-def _host() -> str:
-    return socket.gethostname().partition(".")[0]
 
 
 def _check_space(temporary: Path, path: Path) -> None:

@@ -78,9 +78,7 @@ def unreadable_error(path: str | Path, error: Exception) -> Exception:
     """Return an error that explains why netCDF cannot open or read the file, since its own error does not."""
     if isinstance(error, TimeoutError):  # the caller's time limit, no fault of the file
         return error
-    name = readable(str(path)) if str(path).isprintable() else repr(path)
-    if not Path(path).is_file():
-        return FileNotFoundError(f"there is no file {name}: make it first")
+    name = readable(str(path))
     if not os.access(path, os.R_OK):
         return PermissionError(f"{name} may be whole, but is closed to reading: open it for reading")
     return ValueError(

@@ -23,7 +23,7 @@ RUN = ("case", "solution_method")
 EDGES = ("case", "mean_pressure", "edge")
 # Phrases that several comments share.
 DATUM = "It counts from the undeformed profile whose waves all peak together"
-ERROR = "{} Other methods state an estimate: the documentation has the fraction of numbers within it."
+ESTIMATE = " Other methods state an estimate: the documentation has the fraction of numbers within it."
 COMPLIANCE_ERROR = (
     "By contact patches it is an a-posteriori bound, evaluated on samples; by boundary elements a "
     "bound that is proved at first touch and was exceeded at no load that was tried."
@@ -96,12 +96,11 @@ SERIES_BOUND = f"{DATUM}, of that series. {BOUND}"
 _label = partial(Variable, ("case",), content=LABEL)
 _trace_label = partial(_label, optional=True)
 _chosen = partial(Variable, ("case",), content=AUXILIARY, optional=True)
-_measured = partial(Variable, content=QUALITY, optional=True)
+_returned = partial(Variable, CURVE, optional=True)
 
 
-def _bound(side: str, quantity: str, unit: str, comment: str = BOUND, **others: Any) -> Variable:
-    meaning = f"{side} bound on the {quantity} of the infinite series"
-    return Variable(CURVE, meaning, unit, comment=comment, optional=True, **others)
+def _bound(side: str, quantity: str, unit: str, comment: str = BOUND) -> Variable:
+    return _returned(f"{side} bound on the {quantity} of the infinite series", unit, comment=comment)
 
 
 VARIABLES = {
@@ -178,47 +177,25 @@ VARIABLES = {
     "compliance_upper": _bound("upper", "compliance", "g_0", SERIES_BOUND),
     "resistance_lower": _bound("lower", "resistance", "g_0/p_0*"),
     "resistance_upper": _bound("upper", "resistance", "g_0/p_0*"),
-    "compliance_error": Variable(
-        CURVE,
-        "numerical error of the compliance",
-        "g_0",
-        comment=ERROR.format(COMPLIANCE_ERROR),
-        optional=True,
+    "compliance_error": _returned("numerical error of the compliance", "g_0", comment=COMPLIANCE_ERROR + ESTIMATE),
+    "resistance_error": _returned(
+        "numerical error of the resistance", "g_0/p_0*", comment=RESISTANCE_ERROR + ESTIMATE
     ),
-    "resistance_error": Variable(
-        CURVE,
-        "numerical error of the resistance",
-        "g_0/p_0*",
-        comment=ERROR.format(RESISTANCE_ERROR),
-        optional=True,
-    ),
-    "indentation": Variable(
-        CURVE,
+    "indentation": _returned(
         "compliance, counted from first contact",
         "g_0",
         comment="Negative for estimates whose compliance is below that at first contact.",
-        optional=True,
     ),
-    "contact_fraction": Variable(
-        CURVE,
-        "fraction of the surface in contact",
-        symbol="A",
-        axis="contact fraction $A$",
-        optional=True,
-    ),
-    "contact_fraction_error": Variable(
-        CURVE,
+    "contact_fraction": _returned("fraction of the surface in contact", symbol="A", axis="contact fraction $A$"),
+    "contact_fraction_error": _returned(
         "numerical error of the contact fraction",
         comment="An estimate, by the errors of all edges and the widths of contacts and gaps that may be missing.",
-        optional=True,
     ),
-    "elastic_energy": Variable(
-        CURVE,
+    "elastic_energy": _returned(
         "elastic energy per area",
         "g_0 p_0*",
         "U",
         comment="The mean of half the pressure times the displacement, which is p h minus the integral of h over p.",
-        optional=True,
     ),
     "mean_gap": Variable(CURVE, "mean gap", "g_0", "d", comment="The sum of the amplitudes minus the compliance."),
     "area_coefficient": Variable(
@@ -228,9 +205,9 @@ VARIABLES = {
         "modulus E* = 2 M and the root mean square slope h'. NaN for methods without a contact fraction, "
         "and where h' is infinite.",
     ),
-    "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", optional=True),
-    "residual": Variable(CURVE, "largest violation of a contact condition", "g_0", content=QUALITY, optional=True),
-    "work": Variable(CURVE, "pairs of FFTs or Newton steps", content=AUXILIARY, optional=True),
+    "patch_count": _returned("contacts in one period, 0 in full contact"),
+    "residual": _returned("largest violation of a contact condition", "g_0", content=QUALITY),
+    "work": _returned("pairs of FFTs or Newton steps", content=AUXILIARY),
     "points": Variable(RUN, "nodes in one period", content=AUXILIARY, optional=True),
     "second_attempts": Variable(RUN, "loads whose first attempt failed", content=AUXILIARY, optional=True),
     "settings": Variable(RUN, "settings of the method that were used, as JSON", dtype="O", content=AUXILIARY),
@@ -238,11 +215,13 @@ VARIABLES = {
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
     "chosen_method": _chosen('method that "auto" chose', dtype="O"),
     "chosen_terms": _chosen('terms that the method chosen by "auto" solves'),
-    "mean_pressure_error": _measured(
+    "mean_pressure_error": Variable(
         ("case", "mean_pressure"),
         "largest distance to the load of the requested value",
         "p_0*",
         comment="From the stated error of the requested quantity.",
+        content=QUALITY,
+        optional=True,
     ),
     "origin": Variable(
         RUN,

@@ -12,7 +12,7 @@ import xarray as xr
 
 from weier import units
 from weier.data import curves
-from weier.data.bodies import Bodies, scales_of
+from weier.data.bodies import Bodies
 from weier.figures import interpolation, style
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.curve import COMPLIANCE, RESISTANCE
@@ -60,7 +60,7 @@ class Values:
         self.loads: Array = study["mean_pressure"].values
         pressure = height = resistance = np.ones((1, 1, 1))
         if interface:
-            scales = scales_of(interface, study)
+            scales = interface.scales_of(study)
             pressure, height, resistance = (np.reshape(scales[unit][0], (-1, 1, 1)) for unit in UNITS)
             pressure = pressure / units.factor("loads", units.unit_of(study["mean_pressure"]), units.PASCAL)
 

@@ -139,14 +139,17 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, 
     for `shortest`. They are named by the path of the file in the scene, which distinguishes files of the same name in
     two folders.
     """
-    shortest = values.get("shortest", [None])
-    shortest = shortest if isinstance(shortest, list) else [shortest]
-    others = {name: value for name, value in values.items() if name not in ("file", "shortest")}
-    files = trace_files(values["file"], folder)
     traces = []
-    for file, wavelength in itertools.product(files, shortest):
-        own = {"file": file, **others} | ({} if wavelength is None else {"shortest": wavelength})
-        traces += _traces_of_file(own, folder)
+    for file, wavelength in itertools.product(trace_files(values["file"], folder), values.get("shortest", [None])):
+        own = {"source": readable(file), **values, "file": str(folder / file), "shortest": wavelength}
+        if AGAINST in values:
+            own[AGAINST] = str(folder / values[AGAINST])
+        if "longest" in values:  # its value is in m
+            own["longest"] *= UNITS[values.get("unit", values.get("x_unit", "m"))]
+        own = {name: value for name, value in own.items() if value is not None}
+        for trace in read_traces(own):
+            line = {} if trace.line is None else {"line": trace.line}
+            traces.append(own | line | {"name": trace.source, "digest": trace.digest})
     return traces
 
 
@@ -159,24 +162,6 @@ def random_parameters(values: Mapping[str, Any], seeds: Iterable[Any]) -> list[d
     plain = {name: float(f"{number(name, value, units[name]):.15g}") for name, value in values.items()}
     plain.setdefault("rolloff", plain["length"])
     return [plain | {"seed": int(seed)} for seed in seeds]
-
-
-def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
-    parameters: dict[str, Any] = {"source": readable(values["file"]), **values}
-    parameters |= {name: str(folder / values[name]) for name in ("file", AGAINST) if name in values}
-    traces = read_traces(parameters)
-    if "longest" in values:  # its value is in m
-        parameters["longest"] *= UNITS[values.get("unit", values.get("x_unit", "m"))]
-    lines = [{} if trace.line is None else {"line": trace.line} for trace in traces]
-    names = [{"name": trace.source, "digest": trace.digest} for trace in traces]
-    return [parameters | line | name for line, name in zip(lines, names, strict=True)]
-
-
-def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the parameters of a trace as arguments of `Trace.read`."""
-    others = ("file", AGAINST, "name", "digest", "longest")
-    given = {name: value for name, value in parameters.items() if name not in others}
-    return {"path": parameters["file"], **given}
 
 
 def _trace(parameters: Mapping[str, Any]) -> Trace:
@@ -209,8 +194,10 @@ def _file_traces(parameters: Mapping[str, Any]) -> list[Trace]:
     """Return the traces of a file, cached by the digest of its content."""
     with checked_file(parameters["file"]).open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
+    others = ("file", AGAINST, "name", "digest", "longest")
+    options = {name: value for name, value in parameters.items() if name not in others}
     try:
-        found = _read_once(json.dumps(_arguments(parameters)), digest)
+        found = _read_once(json.dumps({"path": parameters["file"], **options}), digest)
     except ValueError as error:
         raise ValueError(f"{readable(parameters['file'])}: {error}") from None
     return [found] if isinstance(found, Trace) else found

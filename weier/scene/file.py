@@ -15,7 +15,7 @@ from weier.methods.registry import default_method, find_method
 from weier.methods.settings import TOLERANCE, checked_settings, with_tolerance
 from weier.scene.case import trace_parameters
 from weier.scene.cases import NAME, Scene
-from weier.scene.study import CaseProduct, Study, check_number
+from weier.scene.study import CaseProduct, Study
 from weier.scene.yaml import Keys, Mistake, SceneError, at, number, one_line, read_yaml, scene_error
 from weier.surface.profile import PARAMETERS
 from weier.units import PASCAL
@@ -79,8 +79,9 @@ def _scene(keys: SceneKeys, text: str, path: Path) -> Scene:
         raise Mistake(("interface",), "g_0 and lambda_0 must be given, the scale of the series in m")
     settings = _settings(("settings",), keys.settings)
     studies = {name: _study(name, study, keys, settings, path.parent) for name, study in keys.studies.items()}
-    with at("max_cases"):
-        check_number(sum(map(len, studies.values())), keys.max_cases)
+    if (count := sum(map(len, studies.values()))) > keys.max_cases:
+        what = f"a scene must have at most {keys.max_cases} cases, got {count}: say max_cases: {count} if you mean it"
+        raise Mistake(("max_cases",), what)
     bodies = keys.interface if keys.loads.in_si else None
     scene = Scene(
         name=path.stem,

@@ -34,7 +34,7 @@ from weier.methods.registry import find_method
 from weier.scene.case import Case, random_parameters
 from weier.scene.cases import NAME
 from weier.scene.figure import Figure, Grouping
-from weier.scene.study import MAX_CASES, check_value
+from weier.scene.study import check_value
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
 from weier.scene.yaml import Keys, Mistake, number, number_or_word
 from weier.surface.loads import check_pascal, check_range, listed_loads
@@ -43,6 +43,7 @@ from weier.units import NUMBER as QUANTITY
 
 ABSENT: Any = None  # default of an optional key
 MIN_WORD = 3  # letters of a word that is not looked for in descriptions
+MAX_CASES = 10_000  # default limit; a typing error could ask for hours of work
 SURFACES = ("product", "cases", "trace", "random")  # a study has exactly one of these keys
 
 

@@ -5,7 +5,6 @@ Each case is made on access, so that a study of a million cases takes no more me
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,16 +19,6 @@ from weier.scene.figure import PHASES
 from weier.scene.identity import Keys, key_of, keys_of
 from weier.scene.yaml import number
 from weier.surface.profile import random_phases
-
-MAX_CASES = 10_000  # default limit; a typing error could ask for hours of work
-
-
-def check_number(count: int, most: int) -> None:
-    """Refuse a number of cases above the limit."""
-    if count > most:
-        raise ValueError(
-            f"a scene must have at most {most} cases, got {count}: say max_cases: {count} if you mean it"
-        )
 
 
 @dataclass(frozen=True)
@@ -121,7 +110,3 @@ class Study:
     def __iter__(self) -> Iterator[Case]:
         """Yield the cases."""
         return (product.case(position) for product in self.products for position in range(product.count))
-
-    def __getitem__(self, position: int) -> Case:
-        """Return the case at a position."""
-        return next(itertools.islice(self, position, None))
