@@ -128,15 +128,10 @@ class Bodies:
         for body, E in ((1, E_1), (2, E_2)):
             if E is not None:  # The warning names the given argument, E or mu.
                 known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
-        scale = (1.0, 1.0) if self.lambda_0 is None or self.g_0 is None else (self.lambda_0, self.g_0)
-        full = 2 * math.pi * self.composite_modulus * scale[1] / scale[0]  # raises for two rigid bodies
-        if not 0 < full < math.inf:
-            raise ValueError(
-                "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
-                f"floats, got {full}"
-            )
+        modulus = self.composite_modulus  # raises for two rigid bodies
         doubts = [*_doubts(known)]
         if self.lambda_0 is not None and self.g_0 is not None:
+            full = float(full_contact_pressure(modulus, self.lambda_0, self.g_0))
             doubts += _doubts_of_scale(self.lambda_0, self.g_0, full, min(self.mu_1, self.mu_2))
         for doubt in doubts:
             warnings.warn(doubt, stacklevel=3)  # points to the call of Interface

@@ -6,7 +6,7 @@ Importing this module gives every `xarray.Dataset` the accessor `weier`.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Hashable, Mapping
+from collections.abc import Collection, Hashable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -163,19 +163,13 @@ def name_cases(data: xr.Dataset) -> xr.Dataset:
 
 
 def case_names(data: xr.Dataset, but: Collection[str] = ()) -> list[str]:
-    """Return a name per case: study, D, gamma, m, seed or phases, and settings that differ, except labels in `but`.
+    """Return a name per case: study, D, gamma, m, seed or phases, except labels in `but`.
 
     A trace is named by its file and its digest, which determine all else.
     """
-    first = ("study", "trace", *PARAMETERS, "seed", "phases", "trace_digest")
-    others = [
-        name
-        for name in _labels(data)
-        if name not in ("key", "surface_key", "case", *first) and not name.startswith("trace_")
-    ]
-    order = [name for name in (*first, *others) if name in data.coords and name not in but]
-    columns = {name: [label_text(value) for value in data[name].values] for name in order}
-    return [_case_name({name: texts[row] for name, texts in columns.items()}) for row in range(data.sizes["case"])]
+    order = ("study", "trace", *PARAMETERS, "seed", "phases", "trace_digest")
+    columns = {name: map(label_text, data[name].values) for name in order if name in data.coords and name not in but}
+    return [_case_name(dict(zip(columns, texts, strict=True))) for texts in zip(*columns.values(), strict=True)]
 
 
 def _labels(data: xr.Dataset) -> list[str]:
@@ -183,13 +177,11 @@ def _labels(data: xr.Dataset) -> list[str]:
     return [str(name) for name in data.coords if data[name].dims == ("case",)]
 
 
-def _case_name(labels: Mapping[str, str]) -> str:
-    own = [
-        f"{name} = {text}"
-        for name, text in labels.items()
-        if text and name != "study" and not (name == "phases" and labels.get("seed"))
-    ]
-    return ": ".join(filter(None, (labels.get("study"), ", ".join(own))))
+def _case_name(labels: dict[str, str]) -> str:
+    study = labels.pop("study", "")
+    if labels.get("seed"):
+        labels.pop("phases", None)
+    return ": ".join(filter(None, (study, ", ".join(f"{name} = {text}" for name, text in labels.items() if text))))
 
 
 def label_text(value: Any) -> str:

@@ -18,8 +18,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from weier.api.rows import BOUNDS
-from weier.data import netcdf, provenance, variables
-from weier.data.dataset import over_cases
+from weier.data import provenance, variables
+from weier.data.dataset import append, over_cases, write_file
 from weier.data.files import replacing
 from weier.data.si import marked, with_pressures_in
 from weier.data.variables import CASE, CURVE, LABEL, LOADS, VARIABLES
@@ -147,11 +147,11 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
     data = in_units_of(scene, in_memory).merge(case_labels(scene)).merge(more).assign_attrs(about)
     labels = in_memory[["total_amplitude"]]  # with all coordinates, which have the scales of traces
     with replacing(path) as temporary:
-        netcdf.write(data, temporary)
+        write_file(data, temporary)
         for name in over_loads:
             attributes = variables.attributes(name) | variables.ancillary(name, solved.names)
             one = marked(labels.assign({name: (CURVE, solved.values(name), attributes)}))
-            netcdf.append(in_units_of(scene, one)[name], temporary, data.coords)
+            append(in_units_of(scene, one)[name], temporary, data.coords)
         if scene.in_si and scene.interface:
             judged = [name for name in ("compliance", "contact_fraction") if name in solved.names]
             own = {name: (CURVE, solved.values(name)) for name in judged}
