@@ -4,8 +4,8 @@
 
 A mutant is planted in the memory of a child process: files, and compiled kernels of other modules, stay as they are.
 Kernels that depend on the module run as plain Python in the tests that are quick so; a survivor is then compiled, and
-judged by all tests of its module. mutmut chooses a mutant as a function runs, which numba cannot compile, and skips
-constants; cosmic-ray changes files, on which all kernels depend, and has one command for all tests.
+judged by all tests of its module, and of its room. mutmut chooses a mutant as a function runs, which numba cannot
+compile, and skips constants; cosmic-ray changes files, on which all kernels depend, and has one command.
 """
 
 import argparse
@@ -54,7 +54,11 @@ def mutants(text):
     Those of a method's style and of its expected time change no result.
     """
     starts, tree = [0, *accumulate(map(len, text.splitlines(keepends=True)))], ast.parse(text)
-    others = [n for n in ast.walk(tree) if isinstance(n, ast.keyword) and n.arg in ("style", "seconds")]
+    others = [
+        n
+        for n in ast.walk(tree)
+        if {getattr(n, "arg", ""), getattr(n, "name", "")} & {"style", "seconds", "_seconds"}
+    ]
     skipped = {id(node) for other in others for node in ast.walk(other)}
     for node in ast.walk(tree):
         if id(node) in skipped:
@@ -112,15 +116,16 @@ def run(module, text, is_plain, limit, arguments, plugins=()):
 
 
 @cache
-def control(module, is_plain):
+def control(module, is_plain, of_room=False):
     """Return the tests that pass without a change, a limit of processor seconds, and whether they are all.
 
-    A module without a file of tests is judged by those of its room that import it, or by all.
+    A module without a file of tests is judged by those of its room that import it, or by all of its room.
     """
     name = Path(module).name
     own, word = (TESTS / module).with_name(f"test_{name}.py"), re.compile(rf"import .*\b{name}\b|\.{name} import")
     room = sorted(own.parent.glob("test_*.py"))
-    files = map(str, [own] if own.exists() else [path for path in room if word.search(path.read_text())] or room)
+    files = room if of_room else [own] if own.exists() else [path for path in room if word.search(path.read_text())]
+    files = [*map(str, files or room), *[str(TESTS / "methods" / "test_attained.py")] * of_room]
     arguments = module, SOURCE[module], is_plain, 3600, ["-rp", *files], [Clock()] * is_plain
     run(*arguments)  # which compiles other kernels
     code, output, seconds = run(*arguments)
@@ -132,18 +137,25 @@ def control(module, is_plain):
 
 
 def judge(module, text):
-    for is_plain in (True, False):
-        tests, limit, are_all = control(module, is_plain)
+    """Return the verdict of its own tests, then of all of its room, with those of stated errors."""
+    is_judged = False
+    for is_plain, of_room in ((True, False), (False, False), (False, True)):
+        if is_judged and not of_room:
+            continue
+        tests, limit, is_judged = control(module, is_plain, of_room)
         if code := run(module, text, is_plain, limit, ["-x", *tests])[0] if tests else 0:
             return "failed" if code > 0 else "endless"
-        if are_all:
-            return "SURVIVES"
+    return "SURVIVES"
 
 
 def named(module, start, end, new):
-    """Name a mutant by its module, line of code and change, as `equivalent_mutants.txt` lists it before a reason."""
-    text, line = SOURCE[module], SOURCE[module].count("\n", 0, start)
-    return f"{module} | {text.splitlines()[line].strip()} | {text[start:end]} -> {new}"
+    """Name a mutant by its module, line of code and change, as `equivalent_mutants.txt` lists it before a reason.
+
+    A number follows if the line has the same text before: #2 is the second time.
+    """
+    text, line, old = SOURCE[module], SOURCE[module].count("\n", 0, start), SOURCE[module][start:end]
+    time = 1 + text.count(old, text.rfind("\n", 0, start) + 1, start)
+    return f"{module} | {text.splitlines()[line].strip()} | {old} -> {new}" + f" #{time}" * (time > 1)
 
 
 def main():

@@ -189,6 +189,18 @@ def test_spectra_that_are_no_power_law_have_wider_or_no_fits(spoilt, quick):
     assert coverage(off, stated)[1] > 0.85
 
 
+def test_the_bias_of_D_is_half_its_curvature_in_each_power():
+    k = np.arange(1, 9)
+
+    def D(j, relative):
+        return (5 - spectrum._exponent(k, k**-2.0 * (1 + relative * (k == j)))) / 2
+
+    above, below = (np.array([D(j, step) for j in k]) for step in (1e-3, -1e-3))
+    influence, bias = spectrum._influence_on_D(k, 2.0, 1.7)
+    np.testing.assert_allclose(influence, (above - below) / 2e-3, atol=1e-6)
+    assert bias == pytest.approx(1.7 * np.sum(above + below - 2 * D(0, 0.0)) / 2e-6, rel=1e-4)
+
+
 def test_long_lines_show_no_bias():
     """On 20 of the longest wavelengths that are compared, and five octaves below."""
     random, lines, D = np.random.default_rng(7), 60, 1.8

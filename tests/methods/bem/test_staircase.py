@@ -119,6 +119,22 @@ def test_a_gap_of_a_node_that_the_continuum_has_not_is_closed():
     assert edge_deviation(profile, found.contact_edge[0], exact.contact_edge[0]) < 1e-2
 
 
+def test_contacts_merge_across_the_end_of_the_period():
+    """The gap at node 0 of 10 closes."""
+    nodes, edge = (np.array([1, 8]), np.array([6, 9])), np.array([0.5, 6.5, 7.5, 9.5])
+    first, last, merged = staircase._merge(*nodes, 10, edge, np.array([False, True]))
+    assert (first.tolist(), last.tolist(), merged.tolist()) == ([8], [16], [7.5, 16.5])
+
+
+def test_edges_that_stay_on_nodes_are_half_a_node_beyond_the_last():
+    """Of a contact across the end of the period, whose left edge lies in the period."""
+    found = curve(Profile(1.25, 5, 1), [0.3], points=512, staircase="kept")
+    half_width = 0.5 * found.contact_fraction[0]
+    assert found.contact_edge[0] == pytest.approx([1 - half_width, 1 + half_width], abs=1e-14)
+    assert 1024 * half_width % 2 == pytest.approx(1)  # an odd number of nodes
+    assert half_width == pytest.approx(westergaard.contact_half_width(0.3), abs=0.5 / 512)
+
+
 THREE_TO_A_PERIOD = 130 / 3  # nodes of each of three equal waves, which lie 0, 1/3 and -1/3 of a node off the grid
 
 

@@ -24,6 +24,13 @@ def test_what_the_tables_leave_below_their_first_row_is_not_seen(D, gamma, m):
     np.testing.assert_allclose(short, long, rtol=ACCURACY)
 
 
+def test_the_steepest_cubic_between_two_rows_is_flat_in_the_middle():
+    """3 x - 6 x^2 + 4 x^3: with steeper ends it would fall."""
+    closure = scaling_tables.closure_from_table(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.array([3.5, 9.0]))
+    x = np.linspace(0, 1, 5)
+    np.testing.assert_allclose(closure.cubics(x), 3 * x - 6 * x**2 + 4 * x**3, atol=1e-15)
+
+
 @pytest.mark.parametrize("m", [3, math.inf])
 def test_a_table_that_misses_the_accuracy_is_refused(monkeypatch, m):
     for module in (scaling_tables, fixed_point):

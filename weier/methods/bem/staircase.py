@@ -65,7 +65,8 @@ def in_continuum(solution: NodalSolution) -> Corrected:
     """
     points, plane, resistance = solution.contact.size, solution.plane, solution.resistance
     first, last = contact_runs(solution.contact)
-    edge, since, until = np.empty(2 * first.size), np.zeros(2 * first.size), np.zeros(2 * first.size)
+    edge = np.empty(2 * first.size)
+    since, until = np.zeros_like(edge), np.zeros_like(edge)
     for e in range(edge.size):  # left and right edge of each contact in turn
         j, outwards, offset = e // 2, 2 * (e % 2) - 1, EDGE_OFFSET
         inside = last[j] if e % 2 else first[j]

@@ -306,7 +306,7 @@ def _missing_contacts(state: ContactState, series: CosineSeries) -> Effect:
         return 0.0, 0.0
     depth = gap_uncertainty(state.height_error, series.total_amplitude) - gaps["value"]
     half_width = np.sqrt(2 * depth / np.maximum(gaps["curvature"], depth / period**2))
-    compliance = -2 * np.log(np.minimum(np.pi * half_width / period, np.exp(-0.5)))
+    compliance = -2 * np.log(np.pi * half_width / period)
     origin, centre, r = state.kind.contacts_of(state.segments.extent, period)
     distance = np.abs(np.sin(np.pi / period * (gaps["position"][:, None] - (origin + centre))))
     relief = -2 * np.log(np.pi * r / period) + 4 * np.log(2 * distance)
