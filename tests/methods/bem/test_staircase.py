@@ -127,12 +127,14 @@ def test_contacts_merge_across_the_end_of_the_period():
 
 
 def test_edges_that_stay_on_nodes_are_half_a_node_beyond_the_last():
-    """Of a contact across the end of the period, whose left edge lies in the period."""
-    found = curve(Profile(1.25, 5, 1), [0.3], points=512, staircase="kept")
-    half_width = 0.5 * found.contact_fraction[0]
-    assert found.contact_edge[0] == pytest.approx([1 - half_width, 1 + half_width], abs=1e-14)
-    assert 1024 * half_width % 2 == pytest.approx(1)  # an odd number of nodes
-    assert half_width == pytest.approx(westergaard.contact_half_width(0.3), abs=0.5 / 512)
+    """Also of a contact that begins at node 0, whose left edge lies in the period."""
+    middle = round(512 * float(westergaard.contact_half_width(0.3)))
+    for node in (0, middle):
+        profile = Profile(1.25, 5, 1, (-2 * np.pi * node / 512,))
+        left, right = curve(profile, [0.3], points=512, staircase="kept").contact_edge[0] * 512
+        assert (left - node + 512.0, right - node) == pytest.approx(
+            (1024 - middle - 0.5, 512 + middle + 0.5), abs=1e-9
+        )
 
 
 THREE_TO_A_PERIOD = 130 / 3  # nodes of each of three equal waves, which lie 0, 1/3 and -1/3 of a node off the grid

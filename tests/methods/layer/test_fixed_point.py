@@ -13,10 +13,7 @@ from scipy.interpolate import CubicSpline
 from weier import ConvergenceError, Profile
 from weier.methods import demelio, layer, westergaard
 from weier.methods.layer import fixed_point
-from weier.methods.layer.nonlinear_layer import ACCURACY, POINTS
-from weier.methods.layer.scales import Model, finer_waves, scale_on
-from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS
-from weier.methods.layer.wave import midpoints
+from weier.methods.layer.nonlinear_layer import ACCURACY
 from weier.surface.series import tail_amplitude
 
 # Close to D = 2 errors add up over hundreds of scales; for gamma close to 1 the spline bends where the wave is flat.
@@ -35,17 +32,6 @@ def test_heavy_loads_press_the_infinite_series_flat_and_leave_light_ones_as_they
     np.testing.assert_allclose(
         together.compliance[:2], layer.curve(Profile(D, gamma, math.inf), loads[:2]).compliance, rtol=ACCURACY
     )
-
-
-def test_the_fixed_point_is_what_wave_by_wave_sums_approach():
-    """Without a fixed point: 100 waves, each on a table of the finer ones, and what the others may add at most."""
-    loads, D, gamma, m = np.geomspace(1e-3, 3, 5), 1.99, 100, 100
-    model = Model(D, gamma, m, midpoints(POINTS), 1e-2, 1e-8)
-    finer = finer_waves(model, BOTTOM_POSITIONS[0])
-    finite, _, _ = scale_on(finer, model).solve(np.log(loads))
-    added = layer.curve(Profile(D, gamma, math.inf), loads).compliance - finite
-    assert np.all(added > 0)
-    assert np.all(added < tail_amplitude(m, D, gamma) + ACCURACY * finite)
 
 
 def mean_pressure_at(h, log_pressure, n=400):

@@ -72,7 +72,7 @@ def test_no_bound_follows_from_as_much_tension_as_load():
     assert bound_by(0.3, 0.1, pressure=[0.1], width=[1.0]) == np.inf
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("width", [1e-3, 0.1, 0.5, 0.9])
 def test_pressures_on_a_width_move_the_surface_by_no_more_than_the_bound(period, width):
     """The potential of a constant pressure on the width, from the Fourier series of -2 ln|2 sin|."""
@@ -123,7 +123,7 @@ def test_a_missing_load_and_gaps_that_do_not_close_are_violations(wave):
     assert found.error == pytest.approx(closure, rel=1e-4)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
     """int w dx/[2 L^2 sin^2(pi (x-c)/L)] over both gaps beside a contact, by quadrature."""
     wave, volume, t = OneWave(period, 0.2 * period, 0.3 * period), 1e-9, 0.4
@@ -151,11 +151,11 @@ def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("volume", [(1e-9, 3e-8), (3e-8, 1e-9)])
-@pytest.mark.parametrize("apart", [0.8, 3e-3])
+@pytest.mark.parametrize("apart", [1.6, 1.5e-3])
 def test_tension_of_a_thin_gap_is_taken_off_in_another_one(period, dual, volume, apart):
     """Its largest value there, at the distance l - b_1 - b_2, on the width 2 b: above the force by quadrature."""
-    wave, none, volume = OneWave(period, 0.2 * period, 0.95 * period), np.zeros(2), np.array(volume)
-    t, b = np.array([-0.3, apart - 0.3]), np.array([2e-4, 1e-4]) * period
+    wave, none, volume = OneWave(period, 0.4 * period, 0.95 * period), np.zeros(2), np.array(volume)
+    t, b = np.array([-0.8, apart - 0.8]), np.array([2e-4, 1e-4]) * period
     cracks = Cracks(np.zeros(2, int), t, b / wave.half_width, b, none, none, volume, volume / period, none)
     state = wave.state(dual)._replace(cracks=cracks)
     _, mean, _ = crack_effect(state, period)
@@ -169,11 +169,11 @@ def test_tension_of_a_thin_gap_is_taken_off_in_another_one(period, dual, volume,
 
     x = t * wave.half_width
     force = sum(quad(tension, x[i] - b[i], x[i] + b[i], (1 - i,))[0] for i in range(2))
-    nearest = 1 - b.sum() / (apart * wave.half_width)
+    nearest = 1 - b.sum() / min(apart * wave.half_width, period - apart * wave.half_width)
     assert force <= (mean - sum(alone)) * period <= force / nearest**2
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("part", [0.1, 0.4])
 def test_pressures_in_gaps_and_tensions_between_them_are_bounded_on_their_widths(period, part):
     """A pressure in a part of the gap, and a parabola at a minimum of the pressure: each counts on its width."""
@@ -289,7 +289,7 @@ def test_the_next_move_of_an_edge_that_has_not_settled_counts_twice(wave, dual):
         assert stated_length(wave, dual, edge_move=step) == pytest.approx(factor * abs(move) * r, rel=1e-9, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_the_force_of_a_light_contact_limits_the_strengths_of_its_edges(period):
     """By rounding they are ten times those of Hertz's contact, A = sqrt(8) F/(pi a^(3/2)); then delta = a e/2F."""
     wave = OneWave(period, 1e-4 * period, 0.2 * period)
@@ -313,7 +313,7 @@ def test_heights_that_are_off_move_edges(wave, dual):
     assert by_heights == pytest.approx(moved(wave, move), rel=1e-4, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_an_edge_beside_a_narrow_gap_counts_twice(period):
     wave = OneWave(period, 0.4 * period, 0.2 * period)  # the gap is 0.2 L wide
     half_gap, A, a = 0.1 * period, wave.strength, wave.half_width
@@ -324,7 +324,7 @@ def test_an_edge_beside_a_narrow_gap_counts_twice(period):
     assert by_heights == pytest.approx(2 * moved(wave, move), rel=1e-4, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_an_edge_moves_by_the_gap_beside_it(period):
     """Two contacts 0.05 L apart, and the increment at one edge only; the length in contact changes by all moves."""
     r, A, none = np.full(2, 0.1 * period), np.full((2, 2), 3.0), np.zeros(2)
@@ -340,7 +340,7 @@ def test_an_edge_moves_by_the_gap_beside_it(period):
         assert found == pytest.approx(expected, rel=1e-12, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_a_contact_or_a_gap_that_may_not_be_there_counts_whole(period):
     """R = R_0 - tau^2/(chi L), with chi of the contact, of none, or of the largest force; 8 times pi^2 b^2 q^2/L."""
     contact = OneWave(period, 1e-3 * period, 0.2 * period)
@@ -356,7 +356,7 @@ def test_a_contact_or_a_gap_that_may_not_be_there_counts_whole(period):
 
 
 @pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual):
     """Twice pi^2 b^2 q^2/L, b being 2^(1/2) times the interval of tension, with q by the strength at the edges."""
     wave = OneWave(period, 0.1 * period, 0.2 * period)
@@ -373,7 +373,7 @@ def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual):
 
 
 @pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
     """pi^2 b^2 q^2/L with b^2 = 4 q_0/kappa, and four times (b/l)^2 of it, with the nearest edge at l."""
     wave, t, b, q, curvature = OneWave(period, 0.2 * period, 0.2 * period), 0.4, 1e-4, 1.7, 30.0
@@ -404,7 +404,7 @@ def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
     assert stated_length(wave, dual, fixed, cracks=cracks) == pytest.approx(with_tension, rel=1e-5, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize(("part", "distance"), [(0.1, 0.5), (0.02, 0.025)])
 def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, distance):
     """tau^2/(chi L), where tau is at most R + 2 L ln 2, and chi is that of a punch, less the relief by one nearby."""
@@ -430,7 +430,7 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     assert length == pytest.approx(2 * np.sqrt(2) * period, rel=1e-9, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_rounding_widens_contacts(period):
     """Of curvatures, by half of itself relative to a; and of heights on crests that are not the highest."""
     wave = OneWave(period, 0.1 * period, 0.2 * period)

@@ -32,7 +32,7 @@ def random_punches(count, nodes, dual=False):
 
 
 @pytest.mark.parametrize("most", [0, None])
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("fraction", [1e-3, 0.1, 0.5, 0.9])
 def test_one_flat_punch_a_period(fraction, period, most):
     """By conjugate gradients with fast sums, and directly."""
@@ -48,7 +48,7 @@ def test_one_flat_punch_a_period(fraction, period, most):
 
 
 @pytest.mark.parametrize("most", [0, None])
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("fraction", [1e-3, 0.1, 0.5, 0.9])
 def test_one_crack_a_period(fraction, period, most):
     """By conjugate gradients with fast sums, and directly."""
@@ -81,7 +81,7 @@ def test_steps_do_not_grow_with_the_contacts_or_gaps(count, dual):
 
 @one_thread
 @pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_direct_and_iterative_solutions_agree(period, dual):
     """On segments whose positions are counted from different origins."""
     rng, count = np.random.default_rng(3), np.array([8, 5, 11, 6])
@@ -157,7 +157,7 @@ def test_what_is_singular_at_edges_is_spread_over_the_coefficients(power):
 
 
 @pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_forces_come_back_from_their_expansion(dual, period):
     """And an expansion on other nodes has the same values; a new segment has no forces."""
     centre, half_width = np.array([0.2, 0.6]) * period, np.array([0.1, 0.2]) * period

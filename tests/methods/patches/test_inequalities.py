@@ -38,7 +38,7 @@ def test_an_exact_state_violates_nothing(wave, dual):
     assert height.max() < 1e-11 * wave.period
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("part", [0.02, 0.4])
 def test_intervals_of_tension(period, part):
     """A parabola of phi, an interval that reaches the right end, and two parabolas."""
@@ -65,7 +65,7 @@ def test_a_narrow_well_between_two_samples_is_found():
         assert [found["start"][0], found["end"][0]] == pytest.approx([middle - 1e-3, middle + 1e-3], abs=1e-9)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("part", [0.02, 0.4])
 def test_overlaps_in_gaps(period, part):
     """w = r (1-t^2)^(3/2) v(t), whose slope is sqrt(1-t^2) phi with phi = (1-t^2) v' - 3 t v."""
@@ -102,7 +102,7 @@ def test_each_gap_has_minima_of_its_own_and_none_at_its_ends():
 
 
 @pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_minima_of_the_gap_and_of_the_pressure(period, dual):
     """The crests of a series stand for those of the surface or of the tension, beside hardly any density."""
     series = make_series(np.array([1.0, 0.3]), [1, 3], np.array([0.0, np.pi]), period)
@@ -194,7 +194,7 @@ def test_a_narrow_minimum_next_to_an_edge_is_found(is_gap, at_right, distance, p
 
 @one_thread
 @pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual):
     """A lower crest beside one contact, or a lower crest of the tension beside one gap, that was left out."""
     series = make_series(np.array([0.2, 1.0]), [1, 3], np.array([0.5, 0.0]), period)

@@ -26,9 +26,7 @@ def states_of_two_segments(period, dual):
     return ContactState(KINDS[dual], 0.7, 0.3, segments, coefficient)
 
 
-SERIES = {
-    period: make_series(np.array([1.0, 0.2]), [1, 3], np.array([0.3, 1.0]), period) for period in (1.0, 2.0, 9.0)
-}
+SERIES = {period: make_series(np.array([1.0, 0.2]), [1, 3], np.array([0.3, 1.0]), period) for period in (1.0, 9.0)}
 
 
 def density(state, j, x):
@@ -67,7 +65,7 @@ def integrate(state, period, x, kernel):
     return total
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_cotangent_integrals_are_those_of_direct_quadrature(period):
     """On both segments, beside them, at their images and far away, from two origins."""
     state = states_of_two_segments(period, False)
@@ -82,7 +80,7 @@ def test_cotangent_integrals_are_those_of_direct_quadrature(period):
         np.testing.assert_allclose(found, expected, rtol=0, atol=2e-7 * period)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("dual", [False, True])
 def test_residuals_are_gaps_and_pressures_of_the_definition(period, dual):
     """d - z - 2 int p ln|2 sin| ds or, dual, p_full + int w' cot ds/(2 pi L)."""

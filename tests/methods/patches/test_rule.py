@@ -15,7 +15,7 @@ from weier.methods.patches.rule import (
     self_influence_tables,
 )
 
-PERIODS, COUNTS = (1.0, 2.0, 9.0), np.array([1, 2, 5, 12])
+PERIODS, COUNTS = (1.0, 9.0), np.array([1, 2, 5, 12])
 FIRST = np.append(0, np.cumsum(COUNTS))
 RADII = np.array([0.3, 0.01, 0.1, 0.2])  # of L
 

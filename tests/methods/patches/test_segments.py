@@ -39,7 +39,7 @@ def test_contacts_and_strengths_are_those_of_westergaard(wave, dual):
 
 
 @pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_thin_gaps_divide_their_contact(period, dual):
     wave, none = OneWave(period, 0.2 * period, 0.3 * period), np.zeros(2)
     t, reach, strength, tangent = np.array([[-0.5, 0.25], [1e-3, 2e-3], [3.0, 5.0], [2.0, 7.0]])
@@ -55,7 +55,7 @@ def test_thin_gaps_divide_their_contact(period, dual):
     np.testing.assert_allclose(of_tangent, [[B, 2], [2, 7], [7, B]], rtol=1e-9)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_values_at_edges_of_gaps_are_those_of_the_contacts_that_follow(period):
     """Gap j is on the left of contact j, and the last contact ends at the first gap."""
     origin, centre = np.zeros(3), np.array([0.1, 0.4, 0.8]) * period
@@ -70,7 +70,7 @@ def test_values_at_edges_of_gaps_are_those_of_the_contacts_that_follow(period):
 
 
 @pytest.mark.parametrize("ratio", [1.01, 1.1, 2.0, 30.0])
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_nodes_resolve_a_singularity_at_the_edge_of_the_neighbour(ratio, period):
     """(x_0 - t)^(1/2), whose coefficients decay as rho^-k, to within a factor of 30 of the tolerance, not to less."""
     r, tolerance = 0.01 * period, 1e-8

@@ -161,15 +161,12 @@ def test_a_bound_beyond_the_tolerance_is_no_answer_and_the_least_one_is():
 
 
 def test_thousands_of_waves_under_a_light_load():
-    """15 625 crests: few contacts, in a tenth of a second; under a heavy load hundreds, without a dense matrix."""
+    """15 625 crests: few contacts, in a tenth of a second."""
     profile = Profile(1.5, 5, 7, 1.0)
     light = patches.curve(profile, [1e-12, 1e-6])
     assert light.patch_count[0] == 1
     highest = -profile.curvature(profile.crest[0])
     assert light.contact_fraction[0] == pytest.approx(2 * np.sqrt(4e-12 / highest), rel=1e-6)  # Hertz
-    heavy = patches.curve(profile, 1.0)
-    assert heavy.patch_count[0] > 500
-    assert heavy.residual[0] < 1e-10
 
 
 # A resolved curve, gaps (1.5), contacts beside a merger, a thousand waves, and twin crests.

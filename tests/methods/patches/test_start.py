@@ -48,7 +48,7 @@ def test_no_contact_is_missed_where_the_crest_is_below_the_plane_or_touches_at_a
     assert start._contacts_between_nodes(gap_with_a_parabola(5.3, 1e-3, 0.04), contact, 1.0).shape == (2, 0)
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize(
     ("edges", "merged"),
     [
@@ -136,11 +136,11 @@ def test_forces_on_crests_are_those_of_one_plane():
         assert np.all(height[~loaded] < height[loaded].min() + 2e-2 * total)
 
 
-@pytest.mark.parametrize("D", [1.02, 1.25, 1.5, 1.75])
-@pytest.mark.parametrize("gamma", [2, 5, "5/2"])
-@pytest.mark.parametrize("m", [1, 2, 3, 4])
+@pytest.mark.parametrize("D", [1.02, 1.75])
+@pytest.mark.parametrize("gamma", [2, "5/2"])
+@pytest.mark.parametrize("m", [1, 2, 3])
 def test_an_ordinary_load_takes_the_first_attempt(D, gamma, m):
-    """Random phases, from light loads to nearly full contact, on up to 125 waves."""
+    """Random phases, from light loads to nearly full contact, on up to 25 waves."""
     profile = Profile(D, gamma, m, random_phases(round(100 * D) + m))
     starts = start.Starts(profile, start.TOLERANCE)
     for load in np.geomspace(1e-6, 0.99 * starts.surface.full_contact_load, 9):

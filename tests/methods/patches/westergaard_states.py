@@ -106,5 +106,5 @@ class OneWave(NamedTuple):
         return state._replace(resistance=self.resistance, tangent_strength=strength, edge_move=np.zeros((1, 2)))
 
 
-# Periods of 1, 2 and 9, and contacts or gaps from narrow ones to those wider than half a period.
-WAVES = [OneWave(period, part * period, 0.2 * period) for period in (1.0, 2.0, 9.0) for part in (0.02, 0.2, 0.4)]
+# Periods of 1 and 9, and contacts or gaps from narrow ones to those wider than half a period.
+WAVES = [OneWave(period, part * period, 0.2 * period) for period in (1.0, 9.0) for part in (0.02, 0.2, 0.4)]
