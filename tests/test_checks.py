@@ -4,7 +4,6 @@ Texts, booleans, bytes, complex numbers and the like are never taken for numbers
 """
 
 import inspect
-import math
 import warnings
 from decimal import Decimal
 from fractions import Fraction
@@ -159,22 +158,15 @@ SETTINGS = [(method, setting) for method in names() for setting in defaults(find
 
 NO_NUMBERS = [
     {},
-    {"D": 1},
-    {1.5},
     object(),
-    slice(1, 2),
     np.bool_(True),
     np.complex128(1),
     np.array("5"),
     np.timedelta64(5, "s"),
     np.ma.masked,
-    np.array(True),
     10**400,
-    -(10**5000),
     Fraction(10**400, 3),
     xr.Dataset(),
-    math.sqrt,
-    iter([0.5]),
 ]
 NO_ARRAYS_OF_NUMBERS = [
     np.array([True, False]),
@@ -184,7 +176,6 @@ NO_ARRAYS_OF_NUMBERS = [
     np.array([0.1, None], object),
     [[0.1], [0.2, 0.3]],
     "0.1,0.2",
-    np.array(["2001"], "datetime64[s]"),
     xr.DataArray([True]),
 ]
 NUMBERS_OF_NUMPY = [of(2) for of in (np.uint8, np.int8, np.int64, np.float16, np.float32, np.longdouble)]

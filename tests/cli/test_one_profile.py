@@ -26,15 +26,10 @@ def test_json_is_what_solve_gives(run):
     assert found["units"]["resistance"] == "g_0/p_0*"
 
 
-def test_loads_come_once_and_increasing(run, tmp_path):
-    wanted = [*PROFILE, "--loads", "1,0.1,0.1", "--method", "demelio"]
+def test_loads_come_once_and_increasing(run):
     expected = weier.solve(weier.Profile(1.25, 5, 2, 1.0), [0.1, 1.0], "demelio").compliance.values.tolist()
-    _, out, _ = run("solve", *wanted)
-    assert json.loads(out)["mean_pressure"] == [0.1, 1.0]
-    assert json.loads(out)["methods"]["demelio"]["compliance"] == expected
-    assert run("solve", *wanted, "-o", tmp_path / "curves.nc")[:2] == (0, "")
-    with weier.open_dataset(tmp_path / "curves.nc") as data:
-        assert data.mean_pressure.values.tolist() == [0.1, 1.0]
+    found = json.loads(run("solve", *PROFILE, "--loads", "1,0.1,0.1", "--method", "demelio")[1])
+    assert (found["mean_pressure"], found["methods"]["demelio"]["compliance"]) == ([0.1, 1.0], expected)
 
 
 @pytest.mark.filterwarnings("default:.*m = inf")

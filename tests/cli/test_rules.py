@@ -2,8 +2,6 @@
 
 import re
 import signal
-import subprocess
-import sys
 
 import pytest
 
@@ -29,10 +27,6 @@ def sigterm():
     before = signal.getsignal(signal.SIGTERM)
     yield
     signal.signal(signal.SIGTERM, before)
-
-
-def weier(*arguments):
-    return subprocess.run([sys.executable, "-m", "weier", *map(str, arguments)], capture_output=True, text=True)
 
 
 @pytest.fixture
@@ -77,10 +71,9 @@ def test_adopting_names_how_many_kinds_were_compared(run, scene_file):
 
 
 @pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])
-def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
+def test_a_bad_scene_is_one_sentence(run, scene_file, tmp_path, text):
     scene_file.write_text(text)
-    done = weier("make", scene_file, tmp_path, tmp_path / "job", "page.html/0")
-    assert done.returncode == 1
-    assert done.stderr.startswith(f"weier: {scene_file}")
-    assert done.stderr.count("\n") == 1
+    code, _, err = run("make", scene_file, tmp_path, tmp_path / "job", "page.html/0")
+    assert (code, err.count("\n")) == (1, 1)
+    assert err.startswith(f"weier: {scene_file}")
     assert [path.name for path in tmp_path.iterdir()] == ["test.yaml"]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.scene.test_traces import BODIES
 from tests.scenes import scene_in
 from weier import scene
 from weier.scene.case import short_keys
@@ -59,16 +60,7 @@ def test_a_study_has_its_own_loads(tmp_path):
     assert loaded.loads.tolist() == [0.1, 0.2, 1.0]
     assert len(loaded.distinct) == 2
     assert len(load(tmp_path, studies=studies | {"own": studies["own"] | {"loads": [1.0, 0.1]}}).distinct) == 1
-    bodies = {
-        "mu_1": 8e10,
-        "mu_2": 8e10,
-        "nu_1": 0.3,
-        "nu_2": 0.3,
-        "rho_1": 1e-7,
-        "rho_2": 1e-7,
-        "lambda_0": 1e-3,
-        "g_0": 1e-6,
-    }
+    bodies = BODIES | {"lambda_0": 1e-3, "g_0": 1e-6}
     with pytest.raises(
         scene.SceneError, match=r"studies\.own\.loads: loads of a study must be in the unit of .* MPa"
     ):

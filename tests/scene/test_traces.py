@@ -87,10 +87,6 @@ def test_a_pattern_is_its_files_in_natural_order(folder):
     deep = {"trace": OPTIONS | {"file": ["lab/**/line 3.csv", "lab/line [12].csv"]}, "methods": ["bem"]}
     loaded = load(folder, studies={"batch": batch, "deep": deep}, figures={})
     assert sources(loaded.studies["batch"]) == [f"lab/line {number}.csv" for number in (1, 2, 10)]
-    (folder / "lab" / ".hidden.csv").write_text("none")
-    bare = {"trace": OPTIONS | {"file": "lab/day"}, "methods": ["bem"]}
-    assert sources(load(folder, studies={"bare": bare}, figures={}).studies["bare"]) == ["lab/day/line 3.csv"]
-    assert len(load(folder, studies={"batch": batch}, figures={}).studies["batch"]) == 3
     assert sources(loaded.studies["deep"]) == ["lab/day/line 3.csv", "lab/line 1.csv", "lab/line 2.csv"]
     absolute = {"trace": OPTIONS | {"file": str(folder / "lab" / "*.csv")}, "methods": ["bem"]}
     assert len(load(folder, studies={"all": absolute}, figures={}).studies["all"]) == 3
@@ -206,13 +202,6 @@ def test_each_line_of_a_map_is_a_case(folder, monkeypatch):
         scene.SceneError, match=r"trace\.file: .*map\.x3p: a map of 64 by 3 heights has many lines: say line=0"
     ):
         load(folder, studies={"all": {"trace": of_map, "methods": ["bem"]}}, figures={})
-
-
-def test_a_file_that_has_changed_since_is_not_solved_under_a_wrong_name(folder):
-    (case,) = load(folder).studies["mine"]
-    before = Case({"trace": case.parameters["trace"] | {"digest": "of before"}}, ("bem",), {})
-    with pytest.raises(ValueError, match=r"shaft\.csv has changed since its scene was read"):
-        _ = before.profile
 
 
 def mine(methods=("bem",), **options):

@@ -69,10 +69,9 @@ def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool)
     """  # noqa: D301 - click wants the character
     from weier.cli.call import read_bodies
     from weier.data import dataset  # xarray takes half a second, and the help of the command needs none of it
-    from weier.data.selection import as_cases
 
     with dataset.open_dataset(contact) as data:
-        curves = as_cases(data) if bodies is None else read_bodies(bodies).in_si(as_cases(data))
+        curves = data if bodies is None else read_bodies(bodies).in_si(data)
         text = str(_table(curves, ensemble).to_csv(index=False))
     if path is None:
         click.echo(text, nl=False)

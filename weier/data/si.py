@@ -77,7 +77,7 @@ def check_normalised(data: Any) -> None:
         raise ValueError(f"data must be a Dataset of weier, got {shown(data)}: {CONVERT_DATASET}")
     if known := {*BODIES} & data.attrs.keys():
         raise ValueError(f"data must be normalised, got a Dataset with {min(known)}: it is in SI units already")
-    normalised = {name: variable for name, variable in data.variables.items() if _normalised(variable)}
+    normalised = {name for name, variable in data.variables.items() if units.unit_of(variable) in units.NORMALISED}
     for name, variable in data.variables.items():
         quantity = name in data.data_vars or name in LOCATED
         # Arithmetic drops attributes in which its operands differ, such as `long_name`.
@@ -95,10 +95,6 @@ def check_normalised(data: Any) -> None:
             )
     if not normalised:
         raise ValueError("data must be normalised, got no quantity in units such as p_0*: is it in SI units already?")
-
-
-def _normalised(variable: Any) -> bool:
-    return units.unit_of(variable) in units.NORMALISED
 
 
 def _converted(variable: xr.Variable, known: Mapping[str, tuple[Array, str]]) -> xr.Variable:
