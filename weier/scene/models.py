@@ -66,11 +66,6 @@ class Section(BaseModel):
         }
 
 
-def as_list(value: Any) -> Any:
-    """Return a list unchanged, and any other value as a list of one."""
-    return value if isinstance(value, list) else [value]
-
-
 def distinct(values: list[Any]) -> list[Any]:
     """Return each of some plain values once."""
     return list({json.dumps(value): value for value in values}.values())
@@ -131,7 +126,7 @@ def _load(value: Any) -> list[tuple[float, str]]:
 
 
 # Kinds of values
-OneOrMore = BeforeValidator(as_list)
+OneOrMore = BeforeValidator(lambda value: value if isinstance(value, list) else [value])
 Number = Annotated[Any, PlainValidator(_number)]
 TraceNumber = Annotated[Number, AfterValidator(partial(number, "this"))]
 NumberOrWord = Annotated[Number, AfterValidator(number_or_word)]
@@ -399,11 +394,9 @@ def _words(error: ErrorDetails, section: Any) -> str:
     """
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
-    if error["type"] == "missing":
-        return error["msg"]
     if error["type"] == "extra_forbidden":
         known = max((of.keys() for of in Section.__subclasses__()), key=lambda keys: len(keys & section.keys()))
         word = str(error["loc"][-1])
         meant = [key for key, says in known.items() if len(word) > MIN_WORD and f" {word} " in says]
         return error["msg"] + (f": did you mean {meant[0]!r}?" if meant else suggestion(word, known))
-    return f"{error['msg']}, got {shown(error['input'])}"
+    return error["msg"] if error["type"] == "missing" else f"{error['msg']}, got {shown(error['input'])}"
