@@ -18,7 +18,7 @@ from weier.data import curves, ensembles
 from weier.data.ensembles import CLOSE
 from weier.data.variables import CURVE, VARIABLES
 from weier.kernels.arrays import Flags
-from weier.surface.profile import MAX_SEED, PARAMETERS, checked_ratio
+from weier.surface.profile import PARAMETERS, checked_ratio
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -192,8 +192,7 @@ def label_text(value: Any) -> str:
         return ", ".join(f"{phase:.4g}" for phase in (known[-1:] if alike else known))
     if isinstance(value, float):
         # All digits of a whole number, since seeds may differ in the last one.
-        digits = 16 if value.is_integer() and abs(value) <= MAX_SEED else 6
-        return "" if np.isnan(value) else f"{value:.{digits}g}"
+        return "" if np.isnan(value) else f"{value:.{16 if value.is_integer() else 6}g}"
     return str(value)
 
 
