@@ -41,7 +41,7 @@ def checked_number(
     """
     number = None if isinstance(value, list | tuple) else _number(units.in_unit(name, value, unit))
     if number is None or not holds(number):
-        raise ValueError(f"{name} must {condition}, got {_described(value)}")
+        raise ValueError(f"{name} must {condition}, got {shown(value)}")
     return number
 
 
@@ -112,8 +112,6 @@ def checked_flag(name: str, value: Any) -> bool:
 
 def shown(value: Any) -> str:
     """Return a value in one short line."""
-    if isinstance(value, np.ma.core.MaskedConstant):
-        return "a masked value"
     if isinstance(value, np.generic):
         value = value.item()
     if hasattr(value, "__array__") and hasattr(value, "shape"):  # an xarray.Dataset has only the first
@@ -140,11 +138,6 @@ def readable(name: str) -> str:
     return os.fsencode(name).decode("utf-8", "replace")
 
 
-def _described(value: Any) -> str:
-    """Describe a value in a message about a number; a text that looks like a number is called a text."""
-    return f"the text {shown(value)}" if isinstance(value, str) else shown(value)
-
-
 def _number(value: Any) -> float | None:
     """Return a number as a float; None for other types, and for an integer or fraction too large for a float."""
     if hasattr(value, "__array__") and getattr(value, "shape", None) == ():
@@ -162,7 +155,7 @@ def _numbers(name: str, values: Any, unit: str) -> Array:
     """Return the values as an array of floats of the same shape, in the unit."""
     array = _array(units.in_unit(name, values, unit))
     if array is None or array.dtype.kind not in "iufO":
-        raise ValueError(f"{name} must be a number or an array of numbers, got {_described(values)}")
+        raise ValueError(f"{name} must be a number or an array of numbers, got {shown(values)}")
     if np.ma.is_masked(array):
         at = int(np.ma.getmaskarray(array).ravel().argmax())
         raise ValueError(f"{name} must have all its values, got a masked one at position {at}: leave it out")
@@ -172,7 +165,7 @@ def _numbers(name: str, values: Any, unit: str) -> Array:
     numbers = [_number(units.in_unit(name, value, unit)) for value in array.ravel().tolist()]
     if None in numbers:
         at = numbers.index(None)
-        what = f"got {_described(array.ravel()[at])}" + (f" at position {at}" if array.ndim else "")
+        what = f"got {shown(array.ravel()[at])}" + (f" at position {at}" if array.ndim else "")
         raise ValueError(f"{name} must be a number or an array of numbers, {what}")
     return np.array(numbers, float).reshape(array.shape)
 

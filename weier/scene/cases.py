@@ -115,11 +115,6 @@ class Scene:
             found[own] = np.where(found[own] == "", name, found[own] + f", {name}")
         return found.tolist()
 
-    @property
-    def methods(self) -> tuple[str, ...]:
-        """The methods of all cases, in order of appearance."""
-        return tuple(dict.fromkeys(method for product in self.products for method in product.methods))
-
     def study(self, name: str) -> Study:
         """Return the cases of a study; a ValueError if there is no such study."""
         return self.studies[checked_word(f"a study of {self.name}", name, self.studies)]
