@@ -109,18 +109,3 @@ def test_waves_that_fall_to_rounding_are_solved():
     exact, grid = (weier.solve(trace, [1e-3, 0.1, 3.0], method) for method in ("patches", "bem"))
     assert np.all(np.abs(grid.compliance - exact.compliance) <= grid.compliance_error + 1e-9)
     np.testing.assert_array_equal(exact.patch_count, grid.patch_count)
-
-
-def test_traces_and_series_are_cases_beside_each_other():
-    """Methods that do not apply give a warning, and two traces of one file name are two cases."""
-    traces = [
-        Trace(random_heights(10, 100, seed), 1e-3, ends="periodic", source="shaft.csv", unit="m") for seed in (1, 2)
-    ]
-    with pytest.warns(UserWarning, match=r"weier\.fit"):
-        both = weier.solve([*traces, Profile(1.5, 5, 2)], [0.1, 1.0], ["demelio", "bem"])
-    alone = weier.solve(traces[1], [0.1, 1.0], "bem")
-    np.testing.assert_array_equal(both.compliance[1, 1], alone.compliance)
-    assert both.trace_digest.values.tolist() == [traces[0].digest, traces[1].digest, ""]
-    assert np.isnan(both.compliance_lower[:2]).all()  # no bound on a series that is not there
-    assert np.isfinite(both.compliance[2]).all()
-    assert len(set(both.key.values)) == 3

@@ -1,7 +1,7 @@
 """One wave against a plane: Westergaard's closed form, Eqs (6)-(14) and Appendix A.
 
-docs/closed_forms.md, "One wave", derives the formulas. Lengths along x are in the wavelength lambda, heights in
-the amplitude g, pressures in p* (7): xi is the mean pressure (9). The functions broadcast.
+docs/closed_forms.md, "One wave", derives the formulas. Heights are in the amplitude g, pressures in p* (7): xi is the
+mean pressure (9). The functions broadcast.
 """
 
 from __future__ import annotations
@@ -41,38 +41,6 @@ def elastic_energy(xi: ArrayLike) -> Array:
     """Return the elastic energy per area, the integral of xi over h: xi^2 (1 - 2 ln xi)/4, in g p*."""
     xi = np.minimum(xi, 1.0)
     return np.asarray(xi**2 * (1 - 2 * np.log(xi)) / 4)
-
-
-def pressure(x: ArrayLike, xi: ArrayLike) -> Array:
-    """Return pressure at x, in p*; 0 outside the contact (10).
-
-    Notes
-    -----
-    sin^2(pi a/lambda) = xi (8), which cancels the factor before the root.
-    """
-    xi, s, c = np.asarray(xi, float), *_wave(x)
-    partial = 2 * c * np.sqrt(np.maximum(xi - s**2, 0))
-    return np.asarray(np.where(xi < 1, partial, xi + (c - s) * (c + s)))
-
-
-def gap(x: ArrayLike, xi: ArrayLike) -> Array:
-    """Return gap at x for mean pressures xi > 0, in g; 0 in the contact.
-
-    Notes
-    -----
-    Outside the contact the root of (10) turns imaginary and is the slope of the gap,
-    4 pi cos(pi x) sqrt(sin^2(pi x) - xi); the gap is its integral from the edge.
-    """
-    xi, s, _ = np.asarray(xi, float), *_wave(x)
-    root = np.sqrt(np.maximum(s**2 - xi, 0))
-    return np.asarray(2 * (s * root - xi * np.arcsinh(root / np.sqrt(xi))))
-
-
-def _wave(x: ArrayLike) -> tuple[Array, Array]:
-    """Return |sin(pi x)| and |cos(pi x)|, of period 1."""
-    x = np.asarray(x, float)
-    angle = np.pi * np.abs(x - np.rint(x))
-    return np.sin(angle), np.cos(angle)
 
 
 def curve(profile: Profile, xi: ArrayLike) -> Curve:

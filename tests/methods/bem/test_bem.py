@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import weier
+from tests import westergaard as fields
 from tests.dense import dense_curve
 from tests.profiles import THREE_WAVES
 from tests.reference import REFERENCES, Reference
@@ -97,8 +98,8 @@ def test_the_solution_of_one_wave_is_westergaards():
     """Errors of the nodal pressure are largest at the edges, where it falls as a square root: h^(1/2)."""
     found = active_set.NestedSolver(Profile(1.5, 2, 1), 512, 1e-10).solve_discrete(0.3, False)
     x = np.arange(512) / 512
-    assert found.gap == pytest.approx(westergaard.gap(x, 0.3), abs=2e-4)
-    error = np.abs(found.pressure - westergaard.pressure(x, 0.3))
+    assert found.gap == pytest.approx(fields.gap(x, 0.3), abs=2e-4)
+    error = np.abs(found.pressure - fields.pressure(x, 0.3))
     assert error.max() <= np.sqrt(1 / 512)
     assert np.median(error) <= 1e-4
 
@@ -159,15 +160,6 @@ def test_a_solution_does_not_depend_on_where_its_parts_end(monkeypatch, load):
         solution = active_set.NestedSolver(THREE_WAVES, 1600, 1e-10).solve_discrete(load, True)
         found.append((solution.plane, solution.work, solution.resistance))
     assert found[0] == found[1] == found[2]
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [({"points": 50}, "points must be a whole number above 50"), ({"staircase": "foo"}, "staircase must be")],
-)
-def test_the_curve_of_a_grid_refuses_what_it_cannot_resolve(options, message):
-    with pytest.raises(ValueError, match=message):
-        bem.curve(Profile(1.25, 5, 3), [0.1], **options)
 
 
 def test_fewer_chords_bound_the_error_of_R_as_well(monkeypatch):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from tests import westergaard as fields
 from tests.profiles import THREE_WAVES
 from weier import Profile
-from weier.methods import westergaard
 from weier.methods.bem import active_set
 from weier.methods.bem.grids import add_wave, nested_grids
 from weier.theory.halfplane import eigenvalues
@@ -29,7 +29,7 @@ def test_a_new_wave_starts_from_westergaards_pressure(xi):
     pressure = np.full(points, xi * full_contact_pressure)
     add_wave(2, grid, pressure, np.empty(points))
     x = 25 * np.arange(points) / points + 2.0 / (2 * np.pi)
-    assert pressure == pytest.approx(full_contact_pressure * westergaard.pressure(x, xi), abs=1e-12)
+    assert pressure == pytest.approx(full_contact_pressure * fields.pressure(x, xi), abs=1e-12)
     # The trapezoidal rule on 120 points a wave misses the roots at the edges by O(1/120^1.5).
     assert pressure.mean() == pytest.approx(xi * full_contact_pressure, rel=120**-1.5 / xi)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from weier import Profile
-from weier.methods.patches import gaps, given_edges, stages, start
+from weier.methods.patches import given_edges, stages, start
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.solver import curve, solve_state
@@ -20,7 +20,6 @@ CONSTANTS = [
     ("MAX_DIRECT", given_edges, stages),
     ("GUESS_TOLERANCE", start),
     ("GRID_TOLERANCE", start),
-    ("FULL_SHARES", gaps),
 ]
 
 

@@ -25,9 +25,6 @@ from weier.methods.patches.segments import ContactState, integrals
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface, intervals_between, nearest_crests
 from weier.methods.patches.thin_gaps import gap_singularities
 
-# number of gaps that may have the whole tolerance each, since few have as much residual: 10 changes no result
-FULL_SHARES = 5
-
 
 class Gaps:
     """Gaps: the density is the slope of the gap, the residual the pressure; `Contacts` explains the fields."""
@@ -84,8 +81,8 @@ class Gaps:
         return 2 * float(half_width.max())
 
     def share(self, count: int) -> float:
-        """Return `FULL_SHARES` over the count: the bound is a sum over all gaps."""
-        return min(1.0, FULL_SHARES / count)
+        """Return one over the count: the bound is a sum over all gaps."""
+        return 1 / count
 
     def uniform(self, height: float) -> float:
         """Return 0: displacing the plane changes no pressure."""
