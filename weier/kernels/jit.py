@@ -113,8 +113,17 @@ def kernel(function: Function) -> Function:
     return cast(Function, Kernel(function))
 
 
+def fused(function: Function) -> Function:
+    """Let the compiler round a product and the sum that it enters once, as processors do at no cost."""
+    return _with_fastmath(function, "contract")
+
+
 def in_any_order(function: Function) -> Function:
     """Let the compiler add the terms of sums in a kernel in any order, and so several at once."""
+    return _with_fastmath(function, "reassoc")
+
+
+def _with_fastmath(function: Function, flag: str) -> Function:
     kernel = cast(Any, function)
-    kernel.options = kernel.options | {"fastmath": {"reassoc"}}
+    kernel.options = kernel.options | {"fastmath": {flag}}
     return function

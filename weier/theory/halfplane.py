@@ -15,7 +15,7 @@ import numpy as np
 import scipy  # Its submodules are loaded on first use.
 
 from weier.kernels.arrays import Array
-from weier.kernels.jit import kernel
+from weier.kernels.jit import fused, kernel
 
 Number = TypeVar("Number", float, Array)
 
@@ -72,6 +72,7 @@ def punch_displacement(half_width: Number, period: float) -> Number:
     return -2 * np.log(np.pi / period * half_width)
 
 
+@fused
 @kernel
 def replace_by_influence(d: Array, period: float, dipoles: bool) -> None:
     """Replace distances d by ln|2 sin(pi d/L)| or, for dipoles, by 1/sin^2(pi d/L); by 0 where d = 0."""
@@ -90,6 +91,7 @@ def replace_by_influence(d: Array, period: float, dipoles: bool) -> None:
         take_logarithms(d)
 
 
+@fused
 @kernel
 def take_logarithms(x: Array) -> None:
     """Replace x >= 0 by ln x, and 0 by 0.

@@ -26,7 +26,7 @@ def moves_of(psi, r, gap, dual):
     coefficients = [np.append(p.convert(kind=Chebyshev).coef, np.zeros(2)) for p in psi]
     first, b = np.append(0, np.cumsum([c.size for c in coefficients])), np.concatenate(coefficients)
     kind, extent = KINDS[dual], (first, np.array(r), np.array(gap))
-    _, sides, (_, merging), move, _, _ = edge_moves(*extent, np.ones(b.size), b, kind.right_sign, kind.curvature_k_0)
+    _, sides, (_, merging), move, *_ = edge_moves(*extent, np.ones(b.size), b, kind.right_sign, kind.curvature_k_0)
     return sides[:, :2], merging, move, sides[:, 2]
 
 

@@ -20,6 +20,7 @@ from weier.methods.patches.kind import (
     MAX_TENSION,
     MAX_THINNESS,
     NEW_CONTACT_WIDTH,
+    KindNumbers,
     OnContacts,
 )
 from weier.methods.patches.segments import ContactState, integrals
@@ -82,10 +83,18 @@ class Contacts:
         """Return -2, the factor of ln|2 sin| in the displacement by a line force."""
         return -2.0
 
-    def close(self, force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
-        """Return the forces that carry the load with a uniform displacement, and the plane."""
-        shift = (load * period - float(force.sum())) / float(even.sum())
-        return force + shift * even, OFFSET * load * period - shift
+    def numbers(self, period: float) -> KindNumbers:
+        """Return the numbers in a plain tuple, at a fifth of the cost of a named one."""
+        at_edges = self.right_sign, self.curvature_k_0
+        return (
+            self.is_slope,
+            self.shift,
+            self.derivative,
+            self.hankel_sign,
+            self.factor(period),
+            self.offset,
+            *at_edges,
+        )
 
     def invert_punches(self, half_width: Array, middle: Array, period: float) -> Inverse:
         """Return the inverse of the influence of contacts as flat punches."""

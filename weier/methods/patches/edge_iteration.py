@@ -19,16 +19,17 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.given_edges import (
     Forces,
     Punches,
-    expansion,
+    check_apart,
     make_punches,
     moved_expansion,
     regular_part,
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.kind import Kind
+from weier.methods.patches.kind import Kind, KindNumbers
+from weier.methods.patches.rule import expand_forces, forces_from_expansion, place_nodes
 from weier.methods.patches.segments import (
-    MAX_NODES,
+    SegmentArrays,
     Segments,
     estimate_node_count,
     make_segments,
@@ -51,7 +52,7 @@ SETTLED_MOVE = 0.1
 @kernel
 def edge_moves(
     first_node: Indices, r: Array, gap: Array, force: Array, b: Array, right_sign: float, curvature_k_0: float
-) -> tuple[Array, Sides, Flags, float, float, bool]:
+) -> tuple[Array, Sides, Flags, float, float, bool, bool]:
     """Return the fields of `NewtonStep` from `a` on, from forces and their expansion b.
 
     The moves outward are the first two columns of an array, and `singular` the third; vanishing and merging are rows.
@@ -99,7 +100,7 @@ def edge_moves(
         narrowest = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
         move = max(move, max(abs(outward[j, 0]), abs(outward[j, 1])) / narrowest)
     changes, is_changed = _changes(first_node, gap, force, outward, closed)
-    return a, outward, changes, move, largest, move < SETTLED_MOVE and not is_changed
+    return a, outward, changes, move, largest, is_changed, move < SETTLED_MOVE and not is_changed
 
 
 @kernel
@@ -154,10 +155,12 @@ class NewtonStep(NamedTuple):
     b, a : coefficients of psi in T_k, of its regular part in U_k
     outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
     singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
+    motion : shift of each centre, and growth of each half-width, by these moves, shape (2, contacts)
     vanishing : contacts without force
     merging : contacts whose gap on the right vanishes, or has a negative squared width
     move : the largest move of an edge over the half-width of its contact or an adjacent gap, if that is smaller
     largest : the largest of `singular`
+    changed : whether any contact vanishes or merges
     settled : whether the iteration has begun to converge for all contacts; none vanishes or merges
     """
 
@@ -167,10 +170,12 @@ class NewtonStep(NamedTuple):
     a: Array
     outward: Sides
     singular: Array
+    motion: NDArray[np.float64]
     vanishing: Flags
     merging: Flags
     move: float
     largest: float
+    changed: bool
     settled: bool
 
 
@@ -187,14 +192,28 @@ def make_guess(problem: ContactProblem, segments: Segments, tolerance: float) ->
 
 def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> NewtonStep:
     """Solve for the pressure on given contacts to a residual, in g_0, and compute the moves of their edges."""
-    punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
+    punches, segments, numbers = guess.punches, guess.punches.segments, problem.kind.numbers(problem.series.period)
     nodes = segments.crest, segments.centre, segments.first_node, punches.offset
-    forcing = evaluate_on(problem.series.local, *nodes) + problem.highest
+    forcing = evaluate_on(problem.series.local, *nodes, problem.highest)
     forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
-    b, extent = expansion(punches, forces.force), (segments.first_node, segments.half_width, punches.gap)
-    numbers = kind.right_sign, kind.curvature_k_0
-    a, sides, changes, *sizes = edge_moves(*extent, forces.force, b, *numbers)
-    return NewtonStep(punches, forces, b, a, sides[:, :2], sides[:, 2], *changes, *sizes)
+    moves = segments.half_width, segments.first_node, punches.gap, punches.left, forces.force
+    b, a, outward, motion, changes, *sizes = _moves(*moves, problem.series.period, numbers)
+    return NewtonStep(punches, forces, b, a, outward[:, :2], outward[:, 2], motion, *changes, *sizes)
+
+
+@kernel
+def _moves(
+    r: Array, first_node: Indices, gap: Array, left: Array, force: Array, period: float, numbers: KindNumbers
+) -> tuple[Array, Array, Sides, NDArray[np.float64], Flags, float, float, bool, bool]:
+    """Return the fields of `NewtonStep` from b on, from forces."""
+    _, shift, derivative, _, _, _, right_sign, curvature_k_0 = numbers
+    b, motion = expand_forces(first_node, r, left, force, period, shift, derivative), np.empty((2, r.size))
+    a, outward, changes, move, largest, is_changed, is_settled = edge_moves(
+        first_node, r, gap, force, b, right_sign, curvature_k_0
+    )
+    for j in range(r.size):
+        motion[0, j], motion[1, j] = 0.5 * (outward[j, 1] - outward[j, 0]), 0.5 * (outward[j, 1] + outward[j, 0])
+    return b, a, outward, motion, changes, move, largest, is_changed, is_settled
 
 
 @kernel
@@ -222,11 +241,11 @@ def _changes(first_node: Indices, gap: Array, force: Array, outward: Sides, clos
 def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node_count: Indices) -> Iterate:
     """Return the guess after a step, with new node counts: edges moved, contacts removed and merged."""
     old, series = step.punches.segments, problem.series
-    shift, growth = _shift_and_growth(step.outward)
+    shift, growth = step.motion
     moved, b = make_segments(old.crest, old.origin, old.centre + shift, old.half_width + growth, node_count), step.b
     if step.punches.matrix is not None:  # A direct solution needs no forces to start from.
         b, _ = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
-    if step.vanishing.any() or step.merging.any():
+    if step.changed:
         remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
         merged = np.array(merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
         return rearrange(problem, step._replace(b=b), moved, remaining, merged, tolerance, node_count)
@@ -240,21 +259,41 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     Its moves are bounds on the moves of the next step: the contribution of rounding of the singularity, in g_0, and
     twice the square of the present ones, since the strength B changes with the edges as well.
     """
-    punches, outward, gap = step.punches, step.outward, step.punches.gap
-    old, (shift, growth) = punches.segments, _shift_and_growth(outward)
-    b, a = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
-    segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
-    moved = make_punches(segments, punches.period, punches.kind, MAX_NODES * gap.size)
-    force = transfer_forces(old, b, np.arange(gap.size), moved)
-    narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.append(gap[-1], gap[:-1])))
-    rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
-    left = 2 * step.move**2 * narrowest[:, None] + rounded[:, None] * np.abs(outward)
+    punches, segments, period = step.punches, step.punches.segments, step.punches.period
+    moves = step.outward, step.motion, step.singular, step.move, rounding, period, punches.kind.numbers(period)
+    centre, r, gap, nodes, force, b, a, left, is_apart = _carry(segments.arrays, punches.gap, step.b, step.a, *moves)
+    check_apart(is_apart)
+    moved = Punches(segments._replace(centre=centre, half_width=r), gap, nodes, period, punches.kind)
     return step._replace(punches=moved, forces=step.forces._replace(force=force), b=b, a=a, outward=left)
 
 
-def _shift_and_growth(outward: Sides) -> tuple[Array, Array]:
-    """Return the changes of centres and half-widths by the moves of both edges."""
-    return 0.5 * (outward[:, 1] - outward[:, 0]), 0.5 * (outward[:, 1] + outward[:, 0])
+@kernel
+def _carry(
+    segments: SegmentArrays,
+    gap: Array,
+    b: Array,
+    a: Array,
+    outward: Sides,
+    motion: NDArray[np.float64],
+    singular: Array,
+    move: float,
+    rounding: float,
+    period: float,
+    numbers: KindNumbers,
+) -> tuple[Array, Array, Array, NDArray[np.float64], Array, Array, Array, Sides, bool]:
+    """Return the moved segments with their nodes, forces and expansions, and the bounds of `carried_along`."""
+    (origin, centre, r, first_node), (is_slope, shift, derivative, _, _, _, _, _) = segments, numbers
+    x, width, left = np.empty(r.size), np.empty(r.size), np.empty((r.size, 2))
+    for j in range(r.size):
+        x[j], width[j] = centre[j] + motion[0, j], r[j] + motion[1, j]
+        narrowest = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
+        rounded = min(1.0, rounding / max(singular[j], 1e-300))
+        for side in range(2):
+            left[j, side] = 2 * move**2 * narrowest + rounded * abs(outward[j, side])
+    b, a = moved_expansion(first_node, r, b, a, motion[0], motion[1])
+    gap, nodes, is_apart = place_nodes(first_node, origin, x, width, period, shift, is_slope)
+    to = first_node, width, nodes[1], b, first_node, np.arange(r.size)
+    return x, width, gap, nodes, forces_from_expansion(*to, period, shift, derivative), b, a, left, is_apart
 
 
 def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) -> Array:

@@ -15,7 +15,7 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.kind import Kind
+from weier.methods.patches.kind import Kind, KindNumbers
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums, potential
 from weier.methods.patches.rule import (
     Rule,
@@ -28,7 +28,7 @@ from weier.methods.patches.rule import (
     place_nodes,
     self_influence_tables,
 )
-from weier.methods.patches.segments import Segments
+from weier.methods.patches.segments import SegmentArrays, Segments
 from weier.methods.punches import Inverse, solve_forces
 from weier.theory.halfplane import replace_by_influence
 
@@ -43,23 +43,30 @@ class Punches(NamedTuple):
 
     segments : in order round the period; only the number of their nodes is used
     gap : distance from the right edge of each segment to the next segment, in lambda_0, shape (segments,)
-    offset : distance of each node from the middle of its segment, in lambda_0, shape (nodes,)
-    left, diagonal : factors of the nodes in the self-influences, and further diagonal entries, shape (nodes,)
-    rule, matrix : self-influences and kernel between all nodes, for conjugate gradients; None for a direct
-        solution
+    nodes : result of `place_nodes`, shape (3, nodes)
     period : L, in lambda_0
     kind : `CONTACTS` or `GAPS`
+    rule, matrix : self-influences and kernel between all nodes, for conjugate gradients; None for a direct
+        solution
     """
 
     segments: Segments
     gap: Array
-    offset: Array
-    left: Array
-    diagonal: Array
-    rule: Rule | None
-    matrix: PairMatrix | None
+    nodes: Table
     period: float
     kind: Kind
+    rule: Rule | None = None
+    matrix: PairMatrix | None = None
+
+    @property
+    def offset(self) -> Array:
+        """The distance of each node from the middle of its segment, in lambda_0, shape (nodes,)."""
+        return self.nodes[0]
+
+    @property
+    def left(self) -> Array:
+        """The factors of the nodes in the self-influences, shape (nodes,)."""
+        return self.nodes[1]
 
     def at_nodes(self, at_segments: Array) -> Array:
         """Return a value of each segment at its nodes, shape (nodes,)."""
@@ -73,14 +80,14 @@ class Forces(NamedTuple):
     plane : the mean gap relative to the datum of the forcing, in g_0
     residual : residual of the equations, as a height, in g_0
     steps : number of steps of conjugate gradients
-    even : forces for the uniform forcing 1, if known
+    tangent : derivatives of force and plane with respect to the mean pressure on fixed edges, if known
     """
 
     force: Array
     plane: float
     residual: float = 0.0
     steps: int = 0
-    even: Array | None = None
+    tangent: tuple[Array, float] | None = None
 
 
 def make_punches(segments: Segments, period: float, kind: Kind, most: int | None = None) -> Punches:
@@ -88,60 +95,74 @@ def make_punches(segments: Segments, period: float, kind: Kind, most: int | None
 
     ConvergenceError is raised if two of them overlap.
     """
-    gap, (offset, left, diagonal), is_apart = place_nodes(
-        segments.first_node, *segments.extent, period, kind.shift, kind.is_slope
-    )
+    gap, nodes, is_apart = place_nodes(segments.first_node, *segments.extent, period, kind.shift, kind.is_slope)
+    check_apart(is_apart)
+    punches = Punches(segments, gap, nodes, period, kind)
+    if nodes.shape[1] <= (MAX_DIRECT if most is None else most):
+        return punches
+    middle = np.repeat(segments.middle, segments.node_count)
+    matrix = make_pair_matrix(middle, punches.offset, period, kind.is_slope)
+    return punches._replace(rule=make_rule(segments.first_node, kind), matrix=matrix)
+
+
+def check_apart(is_apart: bool) -> None:
+    """Raise ConvergenceError if segments overlap, or their equations have no digit."""
     if not is_apart:
         raise ConvergenceError(
             "two contacts or gaps overlap, or are closer to each other than floating point resolves"
         )
-    rule, matrix = None, None
-    if offset.size > (MAX_DIRECT if most is None else most):
-        rule = make_rule(segments.first_node, kind)
-        matrix = make_pair_matrix(np.repeat(segments.middle, segments.node_count), offset, period, kind.is_slope)
-    return Punches(segments, gap, offset, left, diagonal, rule, matrix, period, kind)
 
 
 @kernel
 def _equations(
-    first: Indices,
-    origin: Array,
-    centre: Array,
-    offset: Array,
-    left: Array,
-    diagonal: Array,
-    table: Array,
-    forcing: Array,
-    period: float,
-    dipoles: bool,
-    factor: float,
-    more: float,
-    shift: int,
-    hankel_sign: float,
+    segments: SegmentArrays, nodes: Table, table: Array, forcing: Array, period: float, numbers: KindNumbers
 ) -> Table:
     """Return the upper triangle of the influence of all forces at all nodes and, in two rows, both right sides.
 
     table : result of `self_influence_tables`
-    dipoles, factor, more : kind and factor of the kernel between nodes, and constant added to all influences
     """
-    n, at = offset.size, 0
+    (origin, centre, _, first), (offset, left, diagonal), at = segments, nodes, 0
+    is_slope, shift, _, hankel_sign, factor, more, _, _ = numbers
+    n = offset.size
     influence, matrix = np.empty(n * (n + 1) // 2), np.zeros((n + 2, n))
-    for i in range(first.size - 1):
+    for i in range(centre.size):
         for a in range(first[i], first[i + 1]):
-            for j in range(i, first.size - 1):
+            for j in range(i, centre.size):
                 apart = origin[i] - origin[j] + (centre[i] - centre[j])
-                for b in range(a if i == j else first[j], first[j + 1]):
-                    influence[at] = apart + (offset[a] - offset[b])
-                    at += 1
-    replace_by_influence(influence, period, dipoles)
+                start = a if i == j else first[j]
+                row = influence[at : at + first[j + 1] - start]
+                for b in range(row.size):
+                    row[b] = apart + (offset[a] - offset[start + b])
+                at += row.size
+    replace_by_influence(influence, period, is_slope)
     add_self_influence_blocks(first, left, diagonal, table, shift, hankel_sign, matrix)
     at = 0
     for a in range(n):
         matrix[n, a], matrix[n + 1, a] = forcing[a], 1.0
-        for b in range(a, n):
-            matrix[a, b] = factor * (matrix[a, b] + influence[at]) + more
-            at += 1
+        row, here = matrix[a, a:], influence[at : at + n - a]
+        for b in range(row.size):
+            row[b] = factor * (row[b] + here[b]) + more
+        at += row.size
     return matrix
+
+
+@kernel
+def _close(force: Table, load: float, period: float, numbers: KindNumbers) -> tuple[float, float]:
+    """Turn the solutions for the forcing and for 1 into forces and their increments; return both planes.
+
+    A uniform displacement closes the balance of forces on contacts; gaps carry no load.
+    """
+    is_slope, offset, total, of_even = numbers[0], numbers[5], 0.0, 0.0
+    for i in range(force.shape[1]):
+        total += force[0, i]
+        of_even += force[1, i]
+    if is_slope:
+        return total / period, of_even / period
+    shift, increment = (load * period - total) / of_even, period / of_even
+    for i in range(force.shape[1]):
+        force[0, i] += shift * force[1, i]
+        force[1, i] *= increment
+    return offset * load * period - shift, offset * period - increment
 
 
 def displacement(punches: Punches, force: Array) -> Array:
@@ -149,7 +170,7 @@ def displacement(punches: Punches, force: Array) -> Array:
     assert punches.rule is not None
     assert punches.matrix is not None
     rule, total = punches.rule, pair_sums(punches.matrix, force)
-    total += punches.diagonal * force
+    total += punches.nodes[2] * force
     add_self_influence(punches.segments.first_node, rule.own, rule.start, punches.left, force, total)
     return np.asarray(punches.kind.factor(punches.period) * total)
 
@@ -174,45 +195,25 @@ def solve_forces_on_contacts(
     The forcing, at the nodes, is the height z, in g_0, or the tension of full contact, in p_0*. Conjugate gradients
     end at a residual, as a height, in g_0, or at `reduction` times the initial one.
     """
-    if punches.matrix is None:
-        return _solve_directly(punches, forcing, load)
-    return _solve_iteratively(punches, forcing, load, start, residual, reduction)
+    if punches.matrix is not None:
+        return _solve_iteratively(punches, forcing, load, start, residual, reduction)
+    segments, kind, period = punches.segments, punches.kind, punches.period
+    nodes, table = (segments.arrays, punches.nodes), self_influence_tables(segments.first_node, kind)
+    equations = _equations(*nodes, table, forcing, period, kind.numbers(period))
+    matrix, right = equations[:-2].T, equations[-2:].T
+    _, found, failed = scipy.linalg.lapack.dposv(matrix, right, lower=1, overwrite_a=1, overwrite_b=1)
+    check_apart(not failed)
+    force = found.T
+    plane, increment = _close(force, load, period, kind.numbers(period))
+    return Forces(force[0], plane, tangent=(force[1], increment))
 
 
 def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
     """Return the derivative of a solution with respect to the mean pressure, on fixed edges."""
-    kind, none = punches.kind, np.zeros(punches.offset.size)
-    if forces.even is not None:
-        return Forces(*kind.close(kind.increment * forces.even, forces.even, 1.0, punches.period))
-    forcing = none + kind.increment
-    return _solve_iteratively(punches, forcing, 1.0, none, 0.0, reduction)
-
-
-def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
-    """Solve by Cholesky factorisation; a constant makes the matrix of contacts positive definite."""
-    kind, segments, period = punches.kind, punches.segments, punches.period
-    equations = _equations(
-        segments.first_node,
-        segments.origin,
-        segments.centre,
-        punches.offset,
-        punches.left,
-        punches.diagonal,
-        self_influence_tables(segments.first_node, kind),
-        forcing,
-        period,
-        kind.is_slope,
-        kind.factor(period),
-        kind.offset,
-        kind.shift,
-        kind.hankel_sign,
-    )
-    matrix, right = equations[:-2].T, equations[-2:].T
-    _, found, failed = scipy.linalg.lapack.dposv(matrix, right, lower=1, overwrite_a=1, overwrite_b=1)
-    if failed:
-        raise ConvergenceError("two contacts or gaps are closer to each other than floating point resolves")
-    even = found[:, 1]
-    return Forces(*kind.close(found[:, 0], even, load, period), even=even)
+    if forces.tangent is not None:
+        return Forces(*forces.tangent)
+    none = np.zeros(punches.offset.size)
+    return _solve_iteratively(punches, none + punches.kind.increment, 1.0, none, 0.0, reduction)
 
 
 def _solve_iteratively(

@@ -41,3 +41,5 @@ NEW_CONTACT_WIDTH = 0.5
 OnContacts = Callable[[Indices, NDArray[np.float64]], NDArray[np.float64]]
 
 Kind = Union["Contacts", "Gaps"]
+# `numbers`: is_slope, shift, derivative, hankel_sign, factor, offset, right_sign and curvature_k_0
+KindNumbers = tuple[bool, int, int, float, float, float, float, float]

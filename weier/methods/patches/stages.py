@@ -162,7 +162,7 @@ def converge(
     last_move = np.inf
     for steps in range(1, most + 1):
         step = take_step(problem, now, limits.residual)
-        if is_fixed and np.any(step.vanishing | step.merging):
+        if is_fixed and step.changed:
             break
         if _converged(step, limits, last_move):
             return step, step, steps

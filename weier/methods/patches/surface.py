@@ -176,12 +176,14 @@ def evaluate_at(local: Local, crest: Indices, y: Array, derivative: int) -> Arra
 
 
 @kernel
-def evaluate_on(local: Local, crest: Indices, centre: Array, first_node: Indices, offset: Array) -> Array:
-    """Return S - max S at nodes of segments, from the crests and centres of these and offsets from the latter."""
+def evaluate_on(
+    local: Local, crest: Indices, centre: Array, first_node: Indices, offset: Array, highest: float
+) -> Array:
+    """Return S at nodes of segments, from crests, centres, offsets from these, and its value at the maximum."""
     value = np.empty(offset.size)
     for j in range(crest.size):
         for i in range(first_node[j], first_node[j + 1]):
-            value[i] = evaluate_series(local, crest[j], centre[j] + offset[i])[0]
+            value[i] = highest + evaluate_series(local, crest[j], centre[j] + offset[i])[0]
     return value
 
 
