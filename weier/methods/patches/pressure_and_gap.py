@@ -17,23 +17,9 @@ from weier.methods.patches.kind import EPS
 from weier.methods.patches.pair_sums import potential
 from weier.methods.patches.segments import ContactState, SegmentArrays
 from weier.methods.patches.surface import CosineSeries, Local, evaluate_series, first_from, nearest_crests
-from weier.theory.halfplane import replace_by_influence
+from weier.theory.halfplane import take_logarithms
 
 LN_ROUNDING = -float(np.log(0.5 * EPS))  # 36.7
-
-
-def _pole_free_series() -> NDArray[np.float64]:
-    """Return the power series of both kernels without their pole at 0, and without those at 1 and -1.
-
-    Their terms, with zeta(2 k) and zeta(2 k) - 1, decrease by a factor of at least 4 (docs/patches.md).
-    """
-    k = np.arange(1, 4 + int(LN_ROUNDING / np.log(4.0)))
-    zeta_less_1 = np.array([np.sum(np.arange(2.0, 1e3) ** (-2.0 * order)) for order in k])
-    zeta_less_1[:2] = np.pi**2 / 6 - 1, np.pi**4 / 90 - 1  # whose sums converge slowly
-    return np.array([[-z / k, -2 / np.pi * z] for z in (zeta_less_1 + 1, zeta_less_1)])
-
-
-POLE_FREE_SERIES = _pole_free_series()
 
 
 @kernel
@@ -81,13 +67,13 @@ def cotangent_integrals(segments: SegmentArrays, coefficient: Array, period: flo
     for j in range(centre.size):
         r, a = half_width[j], coefficient[first_node[j] : first_node[j + 1]]
         node, weight = gauss_nodes(a.size)
-        force, reach = _forces_at(a, r, node, weight), far_field_from(a.size)
+        force, apart = _forces_at(a, r, node, weight), np.empty(a.size)
         sine, cosine = np.sin(factor * r * node), np.cos(factor * r * node)
         for i in range(y.size):
             t = _local_coordinate(start[j], centre[j], r, period, origin[i], y[i])
-            if abs(t) <= reach:
-                integral[i] += _near_field(a, node, force, r, reach, t, period, True)
-                continue
+            for q in range(a.size):
+                apart[q] = r * (t - node[q])
+            integral[i] += _near_field(a, apart, force, r, t, period, 1)
             s, c = np.sin(factor * r * t), np.cos(factor * r * t)
             for q in range(a.size):
                 u, v = cosine[q], sine[q]
@@ -96,36 +82,32 @@ def cotangent_integrals(segments: SegmentArrays, coefficient: Array, period: flo
 
 
 @kernel
-def _near_field(
-    a: Array, node: Array, force: Array, r: float, reach: float, t: float, period: float, is_slope: bool
-) -> float:
-    """Return an integral over a segment at its own coordinate t, near to it or on it.
+def _near_field(a: Array, apart: Array, force: Array, r: float, t: float, period: float, power: int) -> float:
+    """Return by how much an integral over a segment exceeds the sum over its nodes, at its own coordinate t.
 
-    The poles of the segment, and of its images on both sides if these are near, are integrated in closed form,
-    (L/pi) int rho/(x-s) ds and int rho ln|x-s| ds. The smooth rest of the kernel, the series in u, is integrated by
-    quadrature. For the logarithm there is an additional constant: ln|2 sin(pi u)| is ln|x-s|, and with both images
-    the sum of three such terms less 2 ln L, and ln(2 pi/L), and the series.
+    The kernel is ln|2 sin(pi (x-s)/L)| for the power 0, and cot or 1/sin^2 of the same angle for 1 and 2. The poles
+    of the segment, and of its images on both sides if these are near, are integrated in closed form, and summed over
+    the distances `apart` from the nodes. The rest of the kernel is smooth, so that the sum is exact.
     """
-    total, largest_u = 0.0, r / period * (abs(t) + 1)
-    images = 0 if largest_u < 0.5 and period / r - abs(t) > reach else 1
+    reach, total, distance = far_field_from(a.size), 0.0, np.empty(a.size)
+    if abs(t) > reach:
+        return 0.0
+    images = 0 if period / r - abs(t) > reach else 1
     for image in range(-images, images + 1):
-        if not is_slope:
-            total += r * (log_integral(a, t - image * period / r) + np.log(r) * 0.5 * np.pi * a[0])
-        else:
-            total += cauchy_integral(a, t - image * period / r) * period / np.pi
-    factor, square, series = POLE_FREE_SERIES[images, 1 if is_slope else 0], np.empty(a.size), np.zeros(a.size)
-    for q in range(a.size):
-        square[q] = (r / period * (t - node[q])) ** 2
-    terms = min(3 + LN_ROUNDING / (-2 * np.log(largest_u / (1 + images))), 1.0 * factor.size)
-    for k in range(np.int64(terms) - 1, -1, -1):
-        term = factor[k]
         for q in range(a.size):
-            series[q] = term + square[q] * series[q]
-    for q in range(a.size):
-        power = r / period * (t - node[q]) if is_slope else square[q]
-        total += force[q] * power * series[q]
-    if not is_slope:
-        total += r * 0.5 * np.pi * a[0] * (np.log(2 * np.pi / period) - 2 * images * np.log(period))
+            distance[q] = apart[q] - image * period
+        at = t - image * period / r
+        if power == 0:
+            for q in range(a.size):
+                distance[q] = abs(distance[q])
+            take_logarithms(distance)
+            total += r * (log_integral(a, at) + np.log(r) * 0.5 * np.pi * a[0])
+        else:
+            for q in range(a.size):
+                distance[q] = (period / (np.pi * distance[q])) ** power
+            total -= (-period / np.pi) ** power * cauchy_integral(a, at)
+        for q in range(a.size):
+            total -= force[q] * distance[q]
     return total
 
 
@@ -191,9 +173,8 @@ def residuals_in_order(state: ContactState, series: CosineSeries, crest: Indices
     at_node, force = node_forces(segments.arrays, state.coefficient, kind.is_slope)
     crests = np.repeat(segments.origin, segments.node_count)
     value = potential(crests, at_node, force, origin, y, period, kind.is_slope)
-    near = float((-period / np.pi) ** kind.derivative)  # the sum over dipoles, over the integral by parts
     highest = kind.uniform(-state.approach) - kind.largest_forcing(series.maximum, state.load)
-    sums = segments.arrays, state.coefficient, kind.is_slope, near, at_node, force, origin, y, period, value
+    sums = segments.arrays, state.coefficient, kind.is_slope, at_node, force, origin, y, period, value
     _complete_residuals(*sums, series.local, crest, kind.factor(period), highest)
     return value
 
@@ -218,7 +199,6 @@ def _complete_residuals(
     segments: SegmentArrays,
     coefficient: Array,
     is_slope: bool,
-    near: float,
     at_node: Array,
     force: Array,
     origin: Array,
@@ -237,20 +217,18 @@ def _complete_residuals(
     for j in range(centres.size):
         first, last = first_node[j], first_node[j + 1]
         start, centre, r = starts[j], centres[j], half_width[j]
-        a, (node, weight), at_nodes = coefficient[first:last], gauss_nodes(last - first), np.empty(last - first)
-        density = _forces_at(a, r, node, weight)
-        far = far_field_from(node.size)
-        reach = min(far * r + 4 * EPS * period, 0.5 * period)  # x is rounded
+        a, apart = coefficient[first:last], np.empty(last - first)
+        reach = min(far_field_from(a.size) * r + 4 * EPS * period, 0.5 * period)  # x is rounded
         for image in range(-1, 2):
             middle = start + centre + image * period
             for i in range(first_from(x, middle - reach), first_from(x, middle + reach)):
                 t = _local_coordinate(start, centre, r, period, origin[i], offset[i])
-                for q in range(node.size):  # must equal the term of the sums to the last digit
-                    at_nodes[q] = (origin[i] - start) + (offset[i] - at_node[first + q])
-                replace_by_influence(at_nodes, period, is_slope)
-                total[i] += near * _near_field(a, node, density, r, far, t, period, is_slope)
-                for q in range(node.size):
-                    total[i] -= force[first + q] * at_nodes[q]
+                for q in range(a.size):  # as in the sums, to the last digit
+                    apart[q] = (origin[i] - start) + (offset[i] - at_node[first + q])
+                turns = period * np.rint(apart[0] / period - t * r / period)
+                for q in range(a.size):
+                    apart[q] -= turns
+                total[i] += _near_field(a, apart, force[first:last], r, t, period, 2 if is_slope else 0)
     for i in range(offset.size):
         total[i] = highest - evaluate_series(local, crest[i], offset[i])[0] + factor * total[i]
 
