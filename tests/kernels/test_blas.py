@@ -27,13 +27,13 @@ def two_threads():
 
 
 def test_the_dense_solver_takes_one(monkeypatch):
-    seen, real = [], given_edges._solve_directly
+    seen, real = [], given_edges._close
 
     def watched(*given):
         seen.append(threads())
         return real(*given)
 
-    monkeypatch.setattr(given_edges, "_solve_directly", watched)
+    monkeypatch.setattr(given_edges, "_close", watched)
     weier.solve(weier.Profile(D=1.25, gamma=5, m=1), LOADS, "patches")
     assert seen
     assert all(threads_seen == {1} for threads_seen in seen)
