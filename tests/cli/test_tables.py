@@ -44,8 +44,11 @@ def test_a_table_has_the_scatter_of_the_lines_in_the_unit_of_the_pressures(run, 
     """In every format. Text has the digits that errors leave, and netCDF all digits of each line."""
     outputs = [word for suffix in ("csv", "tex", "md", "svg", "nc") for word in ("-o", f"report.{suffix}")]
     assert run("report", *FILES, *PRESSURES, *outputs)[0] == 0
-    resistance = weier.Interface(**BODIES).solve(lines, [1e6, 10**6.5, 1e7]).resistance.values[:, 0]
+    solved = weier.Interface(**BODIES).solve(lines, [1e6, 10**6.5, 1e7]).isel(solution_method=0)
+    resistance, pressure = solved.resistance.values, np.array([1, 10**0.5, 10]) / solved.contact_fraction.values
     table = pd.read_csv("report.csv")
+    contacts = table["mean pressure of the contacts, median (MPa)"].to_numpy()
+    assert contacts == pytest.approx(np.median(pressure, axis=0), rel=6e-5)
     assert len(table.columns) <= 8
     assert table["mean pressure (MPa)"].tolist() == [1, 3.1623, 10]
     low, median, high = np.percentile(resistance, [10, 50, 90], axis=0)
