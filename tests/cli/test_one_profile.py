@@ -27,6 +27,11 @@ def test_json_is_what_solve_gives(run):
     assert found["units"]["resistance"] == "g_0/p_0*"
 
 
+def test_an_infinite_number_is_a_word_in_json(run):
+    out = run("solve", "-D", "1.25", "--gamma", "5", "-m", "inf", "--loads", "0.1", "--method", "demelio")[1]
+    assert json.loads(out)["m"] == "inf"
+
+
 def test_loads_come_once_and_increasing(run):
     expected = weier.solve(weier.Profile(1.25, 5, 2, 1.0), [0.1, 1.0], "demelio").compliance.values.tolist()
     found = json.loads(run("solve", *PROFILE, "--loads", "1,0.1,0.1", "--method", "demelio")[1])

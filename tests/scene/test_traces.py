@@ -130,6 +130,13 @@ def test_several_shortest_wavelengths_are_a_product_with_the_files(folder):
     assert len(loaded.distinct) == 4
 
 
+def test_the_longest_wavelength_of_a_fit_is_in_the_unit_of_positions(folder):
+    for units, metres in (({"unit": "m"}, 2e-5), ({"x_unit": "mm", "height_unit": "mm"}, 2e-8)):
+        options = {"file": "shaft.csv", "ends": "periodic", "longest": 2e-5, **units}
+        (case,) = load(folder, studies={"mine": {"trace": options, "methods": ["bem"]}}, figures={}).studies["mine"]
+        assert case.parameters["trace"]["longest"] == pytest.approx(metres, rel=1e-15)
+
+
 def test_what_the_file_holds_counts_and_not_where_it_is(folder, tmp_path_factory):
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     (case,), copied = load(folder).studies["mine"], elsewhere / "shaft.csv"

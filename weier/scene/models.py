@@ -42,7 +42,6 @@ from weier.units import NORMALISED_PRESSURE, PASCAL, factor, mixed
 from weier.units import NUMBER as QUANTITY
 
 ABSENT: Any = None  # default of an optional key
-MIN_WORD = 3  # letters of a word that is not looked for in descriptions
 MAX_CASES = 10_000  # default limit; a typing error could ask for hours of work
 SURFACES = ("product", "cases", "trace", "random")  # a study has exactly one of these keys
 
@@ -389,14 +388,15 @@ def mistakes_of(error: ValidationError, raw: Any) -> Iterator[Mistake]:
 def _words(error: ErrorDetails, section: Any) -> str:
     """Return pydantic's message and the given value, or the message of a validator of weier.
 
-    An unknown key is looked for in the descriptions of keys of the kind of section that shares most keys with this
-    one, and is compared with these keys.
+    An unknown key is compared with the keys of the kind of section that shares most keys with this section. A word
+    that begins a key, as `missing`, is first looked for in their descriptions.
     """
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
     if error["type"] == "extra_forbidden":
         known = max((of.keys() for of in Section.__subclasses__()), key=lambda keys: len(keys & section.keys()))
         word = str(error["loc"][-1])
-        meant = [key for key, says in known.items() if len(word) > MIN_WORD and f" {word} " in says]
+        begins = any(key.startswith(f"{word}_") for key in known)
+        meant = [key for key, says in known.items() if begins and f" {word} " in says]
         return error["msg"] + (f": did you mean {meant[0]!r}?" if meant else suggestion(word, known))
     return error["msg"] if error["type"] == "missing" else f"{error['msg']}, got {shown(error['input'])}"
