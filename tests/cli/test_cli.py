@@ -94,6 +94,8 @@ WRONG_USAGE = [
     ([*SOLVE, "--set", "bem"], 'must read "method.name=value"'),
     (["solve", "--trace", "shaft.csv", "-D", "1.5"], "a trace has no D: take --trace or a series"),
     (["solve", "--length", "1e-3"], "--length is an option of traces: name a file by --trace"),
+    ([*SOLVE, "--loads", "1", "--pressures", "1MPa"], "loads are given once, got --pressures and --loads"),
+    (["plot", *PROFILE, "x.txt"], "the name must end in one of .pdf, .svg, .png, got x.txt"),
     ([*SOLVE, "--pressures", "1MPa"], "--pressures are in Pa: name the two bodies by --si"),
 ]
 
