@@ -46,36 +46,6 @@ YIELD = 0.47
 TRACE_SCALE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 
 
-def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
-    """Yield a warning for each modulus, resistivity, conductivity or hardness outside its usual range."""
-    for name, value in bodies.items():
-        least, most = USUAL.get(name[:-2], (-math.inf, math.inf))
-        if value not in (0, math.inf) and not least <= value <= most:
-            usual = f"from {least:g} to {most:g} {_unit(name)}, as in solids"
-            yield f"{name} = {value:g} {_unit(name)} is not {usual}: is the unit right?"
-
-
-def _doubts_of_scale(lambda_0: float, g_0: float, full: float, modulus: float) -> Iterator[str]:
-    """Yield warnings for an unusual lambda_0 and g_0; raise ValueError beyond the limits of traces."""
-    got = f"from g_0 = {g_0:g} m over lambda_0 = {lambda_0:g} m"
-    if not 2 * MIN_STEP <= lambda_0 <= MAX_LENGTH:
-        raise ValueError(
-            f"lambda_0 must be from {2 * MIN_STEP:g} to {MAX_LENGTH:g} m, got {lambda_0:g} m: is a unit wrong?"
-        )
-    slope = math.sqrt(2) * math.pi * g_0 / lambda_0
-    if slope > MAX_SLOPE:
-        raise ValueError(
-            f"g_0 must give the coarsest wave a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} "
-            f"{got}: is a unit wrong?"
-        )
-    if slope < MIN_SLOPE:  # finer waves may be steeper
-        yield f"the coarsest wave has a root mean square slope of {slope:.3g}, {got}: are both in m?"
-    if lambda_0 > USUAL_LENGTH:
-        yield f"lambda_0 = {lambda_0:g} m is above {USUAL_LENGTH:g} m: is it in mm or um? Lengths are in m"
-    if full > modulus:
-        yield f"p_0* = {full:.3g} Pa exceeds the shear modulus {modulus:.3g} Pa, {got}: are both in m?"
-
-
 @dataclass(frozen=True, kw_only=True)
 class Bodies:
     """Two bodies in contact, which turn normalised results into SI units: see `weier.Interface` for their values."""
@@ -128,13 +98,35 @@ class Bodies:
         for body, E in ((1, E_1), (2, E_2)):
             if E is not None:  # The warning names the given argument, E or mu.
                 known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
-        modulus = self.composite_modulus  # raises for two rigid bodies
-        doubts = [*_doubts(known)]
-        if self.lambda_0 is not None and self.g_0 is not None:
-            full = float(full_contact_pressure(modulus, self.lambda_0, self.g_0))
-            doubts += _doubts_of_scale(self.lambda_0, self.g_0, full, min(self.mu_1, self.mu_2))
-        for doubt in doubts:
+        _ = self.composite_modulus  # raises for two rigid bodies
+        for doubt in [*self._doubts(known)]:
             warnings.warn(doubt, stacklevel=3)  # points to the call of Interface
+
+    def _doubts(self, known: Mapping[str, float]) -> Iterator[str]:
+        """Yield warnings for unusual values; raise ValueError for a scale beyond the limits of traces."""
+        for name, value in known.items():
+            least, most = USUAL.get(name[:-2], (-math.inf, math.inf))
+            if value not in (0, math.inf) and not least <= value <= most:
+                usual = f"from {least:g} to {most:g} {_unit(name)}, as in solids"
+                yield f"{name} = {value:g} {_unit(name)} is not {usual}: is the unit right?"
+        if self.lambda_0 is None or self.g_0 is None:
+            return
+        got = f"from g_0 = {self.g_0:g} m over lambda_0 = {self.lambda_0:g} m"
+        if not 2 * MIN_STEP <= self.lambda_0 <= MAX_LENGTH:
+            limits = f"from {2 * MIN_STEP:g} to {MAX_LENGTH:g} m"
+            raise ValueError(f"lambda_0 must be {limits}, got {self.lambda_0:g} m: is a unit wrong?")
+        slope = math.sqrt(2) * math.pi * self.g_0 / self.lambda_0
+        if slope > MAX_SLOPE:
+            raise ValueError(
+                f"g_0 must give the coarsest wave a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} "
+                f"{got}: is a unit wrong?"
+            )
+        if slope < MIN_SLOPE:  # finer waves may be steeper
+            yield f"the coarsest wave has a root mean square slope of {slope:.3g}, {got}: are both in m?"
+        if self.lambda_0 > USUAL_LENGTH:
+            yield f"lambda_0 = {self.lambda_0:g} m is above {USUAL_LENGTH:g} m: is it in mm or um? Lengths are in m"
+        if (full := self.full_contact_pressure) > (modulus := min(self.mu_1, self.mu_2)):
+            yield f"p_0* = {full:.3g} Pa exceeds the shear modulus {modulus:.3g} Pa, {got}: are both in m?"
 
     @property
     def given(self) -> dict[str, float]:
