@@ -10,7 +10,7 @@ import yaml
 
 from weier import load_scene, scene
 from weier.scene import __main__ as keys
-from weier.scene.case import short_keys
+from weier.scene.identity import short_keys
 from weier.scene.models import SceneKeys
 
 SCENES = sorted(Path("config").glob("*/*.yaml"))

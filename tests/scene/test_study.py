@@ -6,7 +6,7 @@ import pytest
 from tests.scene.test_traces import BODIES
 from tests.scenes import scene_in
 from weier import scene
-from weier.scene.case import short_keys
+from weier.scene.identity import short_keys
 
 AXES = {"D": [1.25, 1.5], "gamma": [2, "5/2", 3], "m": [1, 2, 3], "seed": [0, 1]}
 # Products that meet in some cases, repeat a value, or differ in nothing but methods or settings.

@@ -27,8 +27,8 @@ from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
 from weier.pipeline.needed_curves import Curves, Part
 from weier.pipeline.store import ORIGIN
-from weier.scene.case import short_keys
 from weier.scene.cases import Scene
+from weier.scene.identity import short_keys
 from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Values = NDArray[Any]

@@ -19,7 +19,7 @@ import numpy as np
 from weier.checks import checked_file, readable
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
-from weier.scene.identity import Keys, as_text, keys_of
+from weier.scene.identity import keys_of, short_keys
 from weier.scene.yaml import number
 from weier.surface.gaussian import gaussian
 from weier.surface.limits import check_resolvable
@@ -83,12 +83,6 @@ class Case:
         for method in methods:
             if method.takes(self.profile):
                 method.check(self.profile, **self.settings.get(method.name, {}))
-
-
-def short_keys(keys: Keys) -> list[str]:
-    """Return the keys of cases as files have them: the first 12 of 16 digits."""
-    text = as_text(keys)
-    return [text[start : start + 12] for start in range(0, len(text), 16)]
 
 
 def identity(name: str, value: Any) -> Any:

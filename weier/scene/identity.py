@@ -31,9 +31,10 @@ def keys_of(values: Iterable[Any]) -> Keys:
     return np.array([key_of(value) for value in values], np.uint64)
 
 
-def as_text(keys: Keys) -> str:
-    """Return keys as hexadecimal digits, 16 each."""
-    return np.ascontiguousarray(keys, WORD).tobytes().hex()
+def short_keys(keys: Keys) -> list[str]:
+    """Return keys as files have them: the first 12 of 16 hexadecimal digits."""
+    text = np.ascontiguousarray(keys, WORD).tobytes().hex()
+    return [text[start : start + 12] for start in range(0, len(text), 16)]
 
 
 def digest_of_keys(keys: Keys) -> str:
