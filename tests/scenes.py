@@ -14,7 +14,7 @@ from weier.digests import numerics
 from weier.methods import registry
 from weier.pipeline import claims
 from weier.pipeline.jobs import solve
-from weier.pipeline.needed_curves import Curves
+from weier.pipeline.needed_curves import Curves, share
 from weier.pipeline.store import Store
 from weier.scene import Scene
 
@@ -36,7 +36,7 @@ def solve_scene(scene: Scene, folder: Path, jobs: int = 1) -> Curves:
     curves = curves_in(scene, folder)
     lacking = curves.store.lacking(curves.parts_for())
     for number in range(jobs):
-        solve([part.share(number, jobs) for part in lacking], curves.store, "test", lambda line: None)
+        solve(share(lacking, number, jobs), curves.store, "test", lambda line: None)
     return curves_in(scene, folder)
 
 

@@ -9,7 +9,7 @@ from tests.scenes import curves_in, scene_in
 from weier.methods import registry
 from weier.methods.registry import find_method
 from weier.methods.settings import defaults
-from weier.pipeline.needed_curves import Curves
+from weier.pipeline.needed_curves import Curves, share
 from weier.pipeline.store import Store
 from weier.scene.case import identity
 
@@ -106,24 +106,24 @@ def test_another_order_of_phases_is_another_surface(tmp_path):
     assert own[0] != own[1]
 
 
-def test_jobs_share_curves_whatever_others_have_solved_meanwhile(tmp_path):
-    """Also one of several groups of kinds, and those of two kinds by different jobs."""
-    full = curves_in(
-        scene_in(tmp_path, SCENE | product(seed={"from": 1, "to": 40, "count": 40})), tmp_path / "curves"
-    )
-    planned = full.store.lacking(full.parts_for())
+def test_jobs_share_the_seconds_of_curves_whatever_others_have_solved_meanwhile(tmp_path):
+    """Each curve once, also one that two studies have, and curves of one kind by different jobs."""
+    long = {"product": PRODUCT | {"m": [1, 2, 3, 4], "seed": {"from": 1, "to": 10, "count": 10}}}
+    scene = scene_in(tmp_path, SCENE | {"studies": {"one": SCENE["studies"]["one"], "long": long}})
+    full = curves_in(scene, tmp_path / "curves")
 
-    def shares(lacking, count=3):
-        of = [[part.share(number, count) for part in lacking] for number in range(count)]
-        return [{(one.kind.name, key) for one in own for key in one.keys.tolist()} for own in of]
+    def shares(count=3):
+        return [full.store.lacking(share(full.parts_for(), number, count)) for number in range(count)]
 
-    first = shares(planned)
-    everything = {(part.kind.name, key) for part in planned for key in part.keys.tolist()}
-    assert set.union(*first) == everything
-    assert sum(map(len, first)) == len(everything) == 160 + 4 + 160
-    assert all(len(share) > 0.6 * len(everything) / 3 for share in first)
+    def named(parts):
+        return [(part.kind.name, key) for part in parts for key in part.keys.tolist()]
+
+    planned, first = full.store.lacking(full.parts_for()), shares()
+    assert sorted(key for own in first for key in named(own)) == sorted(named(planned))
+    seconds = [sum(part.seconds.sum() for part in own) for own in first]
+    longest = max(part.seconds.max() for part in planned)
+    assert max(seconds) - min(seconds) <= longest < 0.1 * min(seconds)
     for part in planned:  # which others solve in part
         full.store.append(part.kind, {key: {} for key in part.keys[::2]}, "test")
-    later = shares(full.store.lacking(full.parts_for()))
-    assert all(now <= before for now, before in zip(later, first, strict=True))
-    assert 0 < len(set.union(*later)) < len(everything)
+    for now, before in zip(shares(), first, strict=True):
+        assert set() < set(named(now)) < set(named(before))

@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from tests.scenes import solve_scene
@@ -79,7 +80,7 @@ def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
 
 def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_is_short(folder, monkeypatch):
     for seconds, slots, expected in ((1.0, 9, 1), (90.0, 3, 3), (1e4, 99, 6)):
-        monkeypatch.setattr(workflow.Part, "seconds", seconds)  # of each part
+        monkeypatch.setattr(workflow.Part, "seconds", np.array([seconds]))  # of each part
         found = jobs(solved(plan(slots=slots), "one"))
         assert [job for _, job in found] == [f"{number}-of-{expected}" for number in range(expected)]
 
@@ -106,7 +107,7 @@ def test_a_wrong_scene_ends_in_one_sentence(folder):
 
 def test_what_takes_long_is_announced(folder, monkeypatch, capsys):
     for seconds in (3.0, 400.0):
-        monkeypatch.setattr(workflow.Part, "seconds", seconds)  # of each part
+        monkeypatch.setattr(workflow.Part, "seconds", np.array([seconds]))  # of each part
         plan().all_files(of())
     assert capsys.readouterr().err == "test: 6 curves to solve, in about 1200 s by 2 at once\n"
 

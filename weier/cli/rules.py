@@ -58,7 +58,7 @@ def curves(what: str, number: int, count: int, numerics: str, folder: Path, scen
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     store = Store(folder, numerics)
     loaded = {path.stem: Curves(weier.load_scene(path), store) for path in scenes}
-    own = [part.share(number, count) for part in missing(what, list(loaded), loaded.__getitem__)]
+    own = missing(what, list(loaded), loaded.__getitem__, number, count)
     with job("solve", f"{sum(len(part.keys) for part in own)} curves"):
         solve(own, store, origin(), lambda line: click.echo(line, err=True))
 

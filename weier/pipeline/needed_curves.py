@@ -7,21 +7,22 @@ has none, so that scenes share curves, and the profiles of an ensemble share tho
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from heapq import heapreplace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weier.api.task import CurveTask
 from weier.digests import DIGITS, digest
-from weier.kernels.arrays import Flags, Indices
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.method import CURVE_SECONDS
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.scene.cases import Scene
-from weier.scene.identity import Keys, digest_of_keys, key_of
+from weier.scene.identity import Keys, digest_of_keys, distinct
 from weier.scene.study import CaseProduct
 from weier.theory.conduction import full_contact_pressure
 
@@ -100,10 +101,6 @@ class Part:
         """Return the part with some of its curves."""
         return Part(self.kind, self.product, self.cases[rows], self.positions[rows])
 
-    def share(self, number: int, count: int) -> Part:
-        """Return the share of job `number` of `count`; it depends only on the keys and kinds of the curves."""
-        return self.only((self.keys + key_of(self.kind.name)) % np.uint64(count) == number)
-
     @cached_property
     def keys(self) -> Keys:
         """The key of each curve within its kind."""
@@ -111,14 +108,46 @@ class Part:
         return own[self.positions]
 
     @cached_property
-    def seconds(self) -> float:
-        """The expected seconds of all its curves on one core, which hardly depend on phases."""
+    def seconds(self) -> Array:
+        """The expected seconds of each curve on one core, which hardly depend on phases."""
         if self.kind.method == SURFACE:
-            return CURVE_SECONDS * len(self.positions)
-        keys = self.product.keys_without_phases[self.positions]
-        _, first, counts = np.unique(keys, return_index=True, return_counts=True)
+            return np.full(len(self.positions), CURVE_SECONDS)
+        first, number = distinct(self.product.keys_without_phases[self.positions])
         cases = map(self.product.case, self.positions[first].tolist())
-        return float(np.dot([self.kind.curve_of(case.profile).expected for case in cases], counts))
+        return np.array([self.kind.curve_of(case.profile).expected for case in cases])[number]
+
+
+def each_once(parts: Iterable[Part]) -> list[Part]:
+    """Return the parts reduced so that each curve is in the first one that has it."""
+    by_kind: dict[str, list[Part]] = {}
+    for part in parts:
+        by_kind.setdefault(part.kind.name, []).append(part)
+    found = list[Part]()
+    for same in by_kind.values():
+        new = np.zeros(sum(len(part.keys) for part in same), bool)
+        new[distinct(np.concatenate([part.keys for part in same]))[0]] = True
+        found += [part.only(own) for part, own in zip(same, _split(new, same), strict=True)]
+    return found
+
+
+def share(wanted: Iterable[Part], number: int, count: int) -> list[Part]:
+    """Return the share of job `number` of `count` of wanted curves, whichever of them are solved.
+
+    From the longest one to the shortest, each goes to the job with the fewest expected seconds so far.
+    """
+    parts = each_once(wanted)
+    seconds = np.concatenate([part.seconds for part in parts])
+    own, jobs = np.empty(seconds.size, bool), [(0.0, job) for job in range(count)]
+    for curve in np.argsort(-seconds, kind="stable").tolist():
+        before, job = jobs[0]
+        heapreplace(jobs, (before + seconds[curve], job))
+        own[curve] = job == number
+    return [part.only(mine) for part, mine in zip(parts, _split(own, parts), strict=True)]
+
+
+def _split(values: Flags, parts: Sequence[Part]) -> list[Flags]:
+    """Return the values of the curves of each part."""
+    return np.split(values, np.cumsum([len(part.keys) for part in parts])[:-1])
 
 
 class Curves:

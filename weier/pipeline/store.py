@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 
 from weier.data.files import replacing, write_text
 from weier.kernels.arrays import Flags, Indices
-from weier.pipeline.needed_curves import Kind, Part
-from weier.scene.identity import Keys, distinct
+from weier.pipeline.needed_curves import Kind, Part, each_once
+from weier.scene.identity import Keys
 
 KEY, ORIGIN = "key", "origin"  # one key per row, one origin per segment
 SUFFIX = ".npz"
@@ -56,18 +56,8 @@ class Store:
 
     def lacking(self, wanted: Iterable[Part]) -> list[Part]:
         """Return the parts reduced to curves that the store lacks, each curve once."""
-        by_kind: dict[str, list[Part]] = {}
-        for part in wanted:
-            by_kind.setdefault(part.kind.name, []).append(part)
-        found = []
-        for name, parts in by_kind.items():
-            keys = np.concatenate([part.keys for part in parts])
-            new = np.zeros(len(keys), bool)
-            new[distinct(keys)[0]] = True
-            new &= ~self.index(name).find(keys)[0]
-            mine = np.split(new, np.cumsum([len(part.keys) for part in parts])[:-1])
-            found += [part.only(own) for part, own in zip(parts, mine, strict=True) if own.any()]
-        return found
+        lacking = (part.only(~self.index(part.kind.name).find(part.keys)[0]) for part in each_once(wanted))
+        return [part for part in lacking if part.cases.size]
 
     def read(self, kind: Kind, keys: Keys, name: str) -> NDArray[Any] | None:
         """Return a variable of each curve, shape (keys, ...), NaN or "" if missing; None if no curve has it.

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache, cached_property
 from pathlib import Path
@@ -22,7 +22,7 @@ from weier.digests import DIGITS, digest, numerics
 from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
 from weier.pipeline import products
-from weier.pipeline.needed_curves import SURFACE, Curves, Part
+from weier.pipeline.needed_curves import SURFACE, Curves, Part, share
 from weier.pipeline.store import Store
 from weier.scene import Scene
 from weier.scene.identity import digest_of_keys
@@ -154,7 +154,7 @@ class Plan:
     def _jobs(self, what: str) -> list[str]:
         """Return the jobs that solve the missing curves: at most `slots`, and none too short."""
         parts = self.missing(what)
-        curves, seconds = sum(len(part.keys) for part in parts), sum(part.seconds for part in parts)
+        curves, seconds = sum(len(part.keys) for part in parts), _seconds(parts)
         count = max(1, min(self.slots, curves, math.ceil(seconds / JOB_SECONDS)))
         keys = digest([[part.kind.name, digest_of_keys(part.keys)] for part in parts])[:DIGITS]
         folder = self.results / "curves" / ".solved" / what / self.numerics / keys
@@ -162,7 +162,7 @@ class Plan:
 
     def minutes(self, wildcards: Any, attempt: int) -> int:
         """Return the minutes that a job of curves may need, more at each attempt."""
-        seconds = sum(part.seconds for part in self.missing(wildcards.what)) / int(wildcards.jobs)
+        seconds = _seconds(self.missing(wildcards.what)) / int(wildcards.jobs)
         return round(attempt * (BASE_MINUTES + SECONDS_FACTOR * seconds / 60))
 
     def kernels(self, wildcards: Any) -> list[str]:
@@ -185,21 +185,30 @@ class Plan:
         """Print the expected time of missing curves, for each scene that takes long."""
         for name in self.names:
             own = self.store.lacking(self.curves(name).parts_for())
-            seconds = sum(part.seconds for part in own) / self.slots
+            seconds = _seconds(own) / self.slots
             count = sum(len(part.keys) for part in own if part.kind.method != SURFACE)
             if seconds > LONG:
                 about = f"in about {significant(seconds, 2)} s by {self.slots} at once"
                 print(f"{name}: {count} curves to solve, {about}", file=sys.stderr, flush=True)
 
 
-def missing(what: str, names: Sequence[str], curves: Callable[[str], Curves]) -> list[Part]:
-    """Return the curves that the store lacks, of ALL products of the named scenes or of one, SCENE~PRODUCT."""
+def _seconds(parts: Iterable[Part]) -> float:
+    return float(sum(part.seconds.sum() for part in parts))
+
+
+def missing(
+    what: str, names: Sequence[str], curves: Callable[[str], Curves], number: int = 0, count: int = 1
+) -> list[Part]:
+    """Return curves that the store lacks, of ALL products of the named scenes or of one, SCENE~PRODUCT.
+
+    They are the share of job `number` of `count`, which does not depend on what others have solved meanwhile.
+    """
     if what == ALL:
         wanted = [part for name in names for part in curves(name).parts_for()]
     else:
         name, _, product = what.partition(BETWEEN)
         names, wanted = [name], curves(name).parts_for(products.studies_of(curves(name).scene, product))
-    return curves(names[0]).store.lacking(wanted)
+    return curves(names[0]).store.lacking(wanted if count == 1 else share(wanted, number, count))
 
 
 def kernels_file(method: str) -> str:
