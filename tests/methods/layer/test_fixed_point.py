@@ -66,7 +66,7 @@ def closure(curve, D, gamma):
 
 
 @pytest.mark.parametrize(("D", "gamma"), [(1.25, 5), (1.5, 2)])
-@pytest.mark.parametrize("h", [0.05, 0.5, 1.1])
+@pytest.mark.parametrize("h", [0.05, 1.1])
 def test_two_waves_are_one_on_a_layer_of_westergaards(D, gamma, h):
     # With 400 steps the load at h = 0.05, D = 1.25 is off by 1.0e-5 of itself, with 800 by 2e-6.
     load = mean_pressure_at(h, closure(westergaard.compliance, D, gamma), n=800)
@@ -80,7 +80,7 @@ def test_the_infinite_series_is_a_fixed_point(D, gamma):
     A deviation of one scale adds up to 1/(1 - gamma^(D-2)) times as much over all of them.
     """
     log_pressure = closure(lambda xi: layer.curve(Profile(D, gamma, math.inf), xi).compliance, D, gamma)
-    loads = np.geomspace(1e-5, 3, 7)
+    loads = np.geomspace(1e-5, 3, 4)
     h = layer.curve(Profile(D, gamma, math.inf), loads).compliance
     found = np.array([mean_pressure_at(one, log_pressure) for one in h])
     slope = layer.curve(Profile(D, gamma, math.inf), loads).resistance * loads / h
