@@ -1,5 +1,7 @@
 """Signals at random moments: no call crashes or makes them wait, and the next solve has the same bits."""
 
+import os
+import signal
 import subprocess
 import sys
 
@@ -107,3 +109,14 @@ for _ in range(20):
 @compiled
 def test_signals_while_a_kernel_returns():
     subprocess.run([sys.executable, "-c", KERNEL_ALONE], check=True)
+
+
+@compiled
+def test_ctrl_c_ends_compiling_at_once(tmp_path):
+    """Even where LLVM calls Python, which would ignore it."""
+    command = [sys.executable, "-m", "weier", "compile", "bem"]
+    fresh = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=fresh) as process:
+        assert process.stderr.readline() == "compiling bem, once for all later runs\n"
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == -signal.SIGINT

@@ -34,8 +34,15 @@ def compile(methods: Sequence[str]) -> None:
     """Compile the kernels of METHODS, or all, once for all later runs."""
     from weier.pipeline.compile import compile_kernels  # only this command needs it
 
-    with job("compile", *methods):
-        compile_kernels(methods)
+    # LLVM calls Python, where KeyboardInterrupt may be ignored, and delays it for seconds. The cache has whole files.
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.default_int_handler:  # in the background of a script it is ignored
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    try:
+        with job("compile", *methods):
+            compile_kernels(methods)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @click.command(hidden=True)
