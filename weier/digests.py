@@ -126,6 +126,7 @@ def _files(parts: tuple[str, ...]) -> list[str]:
     return [name for name in names if is_in(name, parts)]
 
 
+@cache
 def _plain(name: str, text: bytes) -> str:
     """Return a digest of a text; for a module, docstrings, annotations and comments do not count."""
     if not name.endswith(".py"):
