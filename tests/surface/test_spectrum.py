@@ -264,6 +264,14 @@ def test_a_scratch_that_leaves_no_power_law_is_named_in_the_error(start, says):
         fit(Trace((line - scratch) / line.std(), 2e-3, x_unit="m", height_unit="um"))
 
 
+def test_a_scratch_across_two_parts_of_noise_is_named_in_the_error():
+    """Noise falls too slowly for a series, as profiles with a scratch fall too fast."""
+    x = np.arange(4000) - 300
+    scratch = 5 * np.where((x >= 0) & (x < 200), np.sin(np.pi * x / 200) ** 2, 0)
+    with pytest.raises(ValueError, match=r"got 0\.\d+ from .*: the heights from x = 5e-05 to 0.00015 m, a 10th"):
+        fit(Trace(1e-8 * (np.random.default_rng(0).normal(size=4000) - scratch), 1e-3, unit="m"))
+
+
 def test_the_fit_gives_a_profile():
     profile = Profile(1.5, 2, 6, seed=2)
     found = fit(trace_of(profile, 25, 0.2), **band(profile))
