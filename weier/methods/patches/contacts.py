@@ -20,7 +20,6 @@ from weier.methods.patches.kind import (
     MAX_TENSION,
     MAX_THINNESS,
     NEW_CONTACT_WIDTH,
-    KindNumbers,
     OnContacts,
 )
 from weier.methods.patches.segments import ContactState, integrals
@@ -82,19 +81,6 @@ class Contacts:
     def factor(self, period: float) -> float:
         """Return -2, the factor of ln|2 sin| in the displacement by a line force."""
         return -2.0
-
-    def numbers(self, period: float) -> KindNumbers:
-        """Return the numbers in a plain tuple, at a fifth of the cost of a named one."""
-        at_edges = self.right_sign, self.curvature_k_0
-        return (
-            self.is_slope,
-            self.shift,
-            self.derivative,
-            self.hankel_sign,
-            self.factor(period),
-            self.offset,
-            *at_edges,
-        )
 
     def invert_punches(self, half_width: Array, middle: Array, period: float) -> Inverse:
         """Return the inverse of the influence of contacts as flat punches."""

@@ -19,17 +19,16 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.given_edges import (
     Forces,
     Punches,
-    check_apart,
     make_punches,
     moved_expansion,
     regular_part,
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.kind import Kind, KindNumbers
-from weier.methods.patches.rule import expand_forces, forces_from_expansion, place_nodes
+from weier.methods.patches.kind import Kind, KindNumbers, numbers_of
+from weier.methods.patches.rule import expand_forces
 from weier.methods.patches.segments import (
-    SegmentArrays,
+    MAX_NODES,
     Segments,
     estimate_node_count,
     make_segments,
@@ -192,12 +191,12 @@ def make_guess(problem: ContactProblem, segments: Segments, tolerance: float) ->
 
 def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> NewtonStep:
     """Solve for the pressure on given contacts to a residual, in g_0, and compute the moves of their edges."""
-    punches, segments, numbers = guess.punches, guess.punches.segments, problem.kind.numbers(problem.series.period)
+    punches, segments, period = guess.punches, guess.punches.segments, problem.series.period
     nodes = segments.crest, segments.centre, segments.first_node, punches.offset
     forcing = evaluate_on(problem.series.local, *nodes, problem.highest)
     forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
     moves = segments.half_width, segments.first_node, punches.gap, punches.left, forces.force
-    b, a, outward, motion, changes, *sizes = _moves(*moves, problem.series.period, numbers)
+    b, a, outward, motion, changes, *sizes = _moves(*moves, period, numbers_of(problem.kind, period))
     return NewtonStep(punches, forces, b, a, outward[:, :2], outward[:, 2], motion, *changes, *sizes)
 
 
@@ -259,41 +258,16 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     Its moves are bounds on the moves of the next step: the contribution of rounding of the singularity, in g_0, and
     twice the square of the present ones, since the strength B changes with the edges as well.
     """
-    punches, segments, period = step.punches, step.punches.segments, step.punches.period
-    moves = step.outward, step.motion, step.singular, step.move, rounding, period, punches.kind.numbers(period)
-    centre, r, gap, nodes, force, b, a, left, is_apart = _carry(segments.arrays, punches.gap, step.b, step.a, *moves)
-    check_apart(is_apart)
-    moved = Punches(segments._replace(centre=centre, half_width=r), gap, nodes, period, punches.kind)
+    punches, gap, (shift, growth) = step.punches, step.punches.gap, step.motion
+    old = punches.segments
+    b, a = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
+    segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
+    moved = make_punches(segments, punches.period, punches.kind, MAX_NODES * gap.size)
+    force = transfer_forces(old, b, np.arange(gap.size), moved)
+    narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.append(gap[-1], gap[:-1])))
+    rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
+    left = 2 * step.move**2 * narrowest[:, None] + rounded[:, None] * np.abs(step.outward)
     return step._replace(punches=moved, forces=step.forces._replace(force=force), b=b, a=a, outward=left)
-
-
-@kernel
-def _carry(
-    segments: SegmentArrays,
-    gap: Array,
-    b: Array,
-    a: Array,
-    outward: Sides,
-    motion: NDArray[np.float64],
-    singular: Array,
-    move: float,
-    rounding: float,
-    period: float,
-    numbers: KindNumbers,
-) -> tuple[Array, Array, Array, NDArray[np.float64], Array, Array, Array, Sides, bool]:
-    """Return the moved segments with their nodes, forces and expansions, and the bounds of `carried_along`."""
-    (origin, centre, r, first_node), (is_slope, shift, derivative, _, _, _, _, _) = segments, numbers
-    x, width, left = np.empty(r.size), np.empty(r.size), np.empty((r.size, 2))
-    for j in range(r.size):
-        x[j], width[j] = centre[j] + motion[0, j], r[j] + motion[1, j]
-        narrowest = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
-        rounded = min(1.0, rounding / max(singular[j], 1e-300))
-        for side in range(2):
-            left[j, side] = 2 * move**2 * narrowest + rounded * abs(outward[j, side])
-    b, a = moved_expansion(first_node, r, b, a, motion[0], motion[1])
-    gap, nodes, is_apart = place_nodes(first_node, origin, x, width, period, shift, is_slope)
-    to = first_node, width, nodes[1], b, first_node, np.arange(r.size)
-    return x, width, gap, nodes, forces_from_expansion(*to, period, shift, derivative), b, a, left, is_apart
 
 
 def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) -> Array:

@@ -18,7 +18,7 @@ from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import stages
 from weier.methods.patches.kind import EPS
-from weier.methods.patches.pressure_and_gap import complementary_residuals, cotangent_integrals, values_on_segments
+from weier.methods.patches.pressure_and_gap import cotangent_integrals, values_at, values_on_segments
 from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces
 from weier.methods.patches.solver import MIN_LOAD, check_loads, solve_state
 from weier.methods.patches.start import TOLERANCE, Starts
@@ -349,7 +349,8 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
     left, right = event.left, event.right
     for _ in range(ZOOMS):
         y = np.linspace(left, right, SAMPLES + 2)
-        value = _gaps_or_pressures(state, series, event.birth, event.origin, y[1:-1])
+        at = _crest_coordinates(series, np.full(SAMPLES, event.origin), y[1:-1])
+        value = values_at(state, series, *at, event.birth)
         lowest = 1 + int(np.argmin(value))
         left, right = y[lowest - 1], y[lowest + 1]
     if not 1 < lowest < SAMPLES:
@@ -366,18 +367,6 @@ def _root(loads: list[float], values: list[float]) -> float:
         for k in range(1, value.size):
             load = (value[k:] * load[:-1] - value[:-k] * load[1:]) / (value[k:] - value[:-k])
     return float(load[0])
-
-
-def _gaps_or_pressures(state: ContactState, series: CosineSeries, is_gap: bool, origin: float, y: Array) -> Array:
-    """Return gaps at points origin + y outside the contacts, or pressures at points on them; any may be negative.
-
-    On segments they follow from the density, the pressure of contacts or (integrated) the gap in gaps; elsewhere they
-    are the complementary residual.
-    """
-    at = np.full(y.size, origin)
-    if is_gap != state.kind.is_slope:
-        return complementary_residuals(state, series, *_crest_coordinates(series, at, y))
-    return values_on_segments(state.segments.arrays, state.coefficient, series.period, at, y, is_gap)[1]
 
 
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:

@@ -18,7 +18,6 @@ from weier.methods.patches.kind import (
     FIELD_ROUNDING,
     MAX_THINNESS,
     NEW_CONTACT_WIDTH,
-    KindNumbers,
     OnContacts,
 )
 from weier.methods.patches.pressure_and_gap import complementary_residuals
@@ -61,19 +60,6 @@ class Gaps:
     def factor(self, period: float) -> float:
         """Return the factor of 1/sin^2 in the finite-part kernel -1/(2 L^2 sin^2)."""
         return -0.5 / period**2
-
-    def numbers(self, period: float) -> KindNumbers:
-        """Return the numbers in a plain tuple, at a fifth of the cost of a named one."""
-        at_edges = self.right_sign, self.curvature_k_0
-        return (
-            self.is_slope,
-            self.shift,
-            self.derivative,
-            self.hankel_sign,
-            self.factor(period),
-            self.offset,
-            *at_edges,
-        )
 
     def invert_punches(self, half_width: Array, middle: Array, period: float) -> None:
         """Return None: gaps carry no load."""

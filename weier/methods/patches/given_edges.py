@@ -15,7 +15,7 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.kind import Kind, KindNumbers
+from weier.methods.patches.kind import Kind, KindNumbers, numbers_of
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums, potential
 from weier.methods.patches.rule import (
     Rule,
@@ -96,7 +96,7 @@ def make_punches(segments: Segments, period: float, kind: Kind, most: int | None
     ConvergenceError is raised if two of them overlap.
     """
     gap, nodes, is_apart = place_nodes(segments.first_node, *segments.extent, period, kind.shift, kind.is_slope)
-    check_apart(is_apart)
+    _check_apart(is_apart)
     punches = Punches(segments, gap, nodes, period, kind)
     if nodes.shape[1] <= (MAX_DIRECT if most is None else most):
         return punches
@@ -105,7 +105,7 @@ def make_punches(segments: Segments, period: float, kind: Kind, most: int | None
     return punches._replace(rule=make_rule(segments.first_node, kind), matrix=matrix)
 
 
-def check_apart(is_apart: bool) -> None:
+def _check_apart(is_apart: bool) -> None:
     """Raise ConvergenceError if segments overlap, or their equations have no digit."""
     if not is_apart:
         raise ConvergenceError(
@@ -199,12 +199,12 @@ def solve_forces_on_contacts(
         return _solve_iteratively(punches, forcing, load, start, residual, reduction)
     segments, kind, period = punches.segments, punches.kind, punches.period
     nodes, table = (segments.arrays, punches.nodes), self_influence_tables(segments.first_node, kind)
-    equations = _equations(*nodes, table, forcing, period, kind.numbers(period))
+    equations = _equations(*nodes, table, forcing, period, numbers_of(kind, period))
     matrix, right = equations[:-2].T, equations[-2:].T
     _, found, failed = scipy.linalg.lapack.dposv(matrix, right, lower=1, overwrite_a=1, overwrite_b=1)
-    check_apart(not failed)
+    _check_apart(not failed)
     force = found.T
-    plane, increment = _close(force, load, period, kind.numbers(period))
+    plane, increment = _close(force, load, period, numbers_of(kind, period))
     return Forces(force[0], plane, tangent=(force[1], increment))
 
 

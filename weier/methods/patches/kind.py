@@ -41,5 +41,10 @@ NEW_CONTACT_WIDTH = 0.5
 OnContacts = Callable[[Indices, NDArray[np.float64]], NDArray[np.float64]]
 
 Kind = Union["Contacts", "Gaps"]
-# `numbers`: is_slope, shift, derivative, hankel_sign, factor, offset, right_sign and curvature_k_0
 KindNumbers = tuple[bool, int, int, float, float, float, float, float]
+
+
+def numbers_of(kind: Kind, period: float) -> KindNumbers:
+    """Return the numbers of a kind in a plain tuple, for kernels."""
+    at_edges, factor = (kind.right_sign, kind.curvature_k_0), kind.factor(period)
+    return kind.is_slope, kind.shift, kind.derivative, kind.hankel_sign, factor, kind.offset, *at_edges

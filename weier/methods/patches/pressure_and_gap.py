@@ -49,31 +49,20 @@ def gauss_nodes(count: int) -> tuple[Array, Array]:
 
 
 @kernel
-def _forces_at(a: Array, r: float, node: Array, weight: Array) -> Array:
-    """Return the density sqrt(1-t^2) sum a_k U_k at the nodes times their weights in an integral over the segment."""
-    force = np.empty(a.size)
-    for q in range(a.size):
-        force[q] = r * weight[q] * evaluate_expansion(a, node[q])
-    return force
-
-
-@kernel
 def cotangent_integrals(segments: SegmentArrays, coefficient: Array, period: float, origin: Array, y: Array) -> Array:
     """Return int rho cot(pi (x-s)/L) ds at any x = origin + y: far from a segment, by quadrature.
 
     There the addition theorem gives the cotangent.
     """
     integral, factor, (start, centre, half_width, first_node) = np.zeros(y.size), np.pi / period, segments
+    at_node, forces = node_forces(segments, coefficient, False)
     for j in range(centre.size):
-        r, a = half_width[j], coefficient[first_node[j] : first_node[j + 1]]
-        node, weight = gauss_nodes(a.size)
-        force, apart = _forces_at(a, r, node, weight), np.empty(a.size)
-        sine, cosine = np.sin(factor * r * node), np.cos(factor * r * node)
+        r, first, last = half_width[j], first_node[j], first_node[j + 1]
+        a, node, force = coefficient[first:last], at_node[first:last] - centre[j], forces[first:last]
+        sine, cosine = np.sin(factor * node), np.cos(factor * node)
         for i in range(y.size):
             t = _local_coordinate(start[j], centre[j], r, period, origin[i], y[i])
-            for q in range(a.size):
-                apart[q] = r * (t - node[q])
-            integral[i] += _near_field(a, apart, force, r, t, period, 1)
+            integral[i] += _near_field(a, r * t - node, force, r, t, period, 1)
             s, c = np.sin(factor * r * t), np.cos(factor * r * t)
             for q in range(a.size):
                 u, v = cosine[q], sine[q]
