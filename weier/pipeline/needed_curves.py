@@ -136,7 +136,7 @@ def share(wanted: Iterable[Part], number: int, count: int) -> list[Part]:
     From the longest one to the shortest, each goes to the job with the fewest expected seconds so far.
     """
     parts = each_once(wanted)
-    seconds = np.concatenate([part.seconds for part in parts])
+    seconds = np.round(np.concatenate([part.seconds for part in parts]), 6)  # last bits differ between processors
     own, jobs = np.empty(seconds.size, bool), [(0.0, job) for job in range(count)]
     for curve in np.argsort(-seconds, kind="stable").tolist():
         before, job = jobs[0]
