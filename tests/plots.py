@@ -1,4 +1,4 @@
-"""The directive `plot` in tests of the site: code that doctest runs is shown without its picture."""
+"""The directive `plot` in tests of the site: the code of examples, which doctest runs, without their pictures."""
 
 from docutils import nodes
 from matplotlib.sphinxext.plot_directive import PlotDirective
@@ -8,9 +8,9 @@ class Plot(PlotDirective):
     """The code of an example alone."""
 
     def run(self):
-        """A block of code, or what the directive of matplotlib makes of code without prompts."""
+        """A block of code."""
         code = "\n".join(self.content)
-        return [nodes.literal_block(code, code)] if ">>>" in code else super().run()
+        return [nodes.literal_block(code, code)]
 
 
 def setup(app):

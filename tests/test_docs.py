@@ -182,7 +182,8 @@ def site(tmp_path_factory):
     command = [sys.executable, "-m", "sphinx", "--fail-on-warning", "--keep-going", "--quiet"]
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(sys, "path", sys.path[:])  # to which it adds folders
-        extensions = [*runpy.run_path("docs/conf.py")["extensions"], "tests.plots"]
+        configured = runpy.run_path("docs/conf.py")["extensions"]
+    extensions = [name for name in configured if name != "sphinx.ext.viewcode"] + ["tests.plots"]  # without sources
     settings = ["-D", f"scene_figures={folder}", "-D", f"extensions={','.join(extensions)}"]
     command += [*settings, "-d", folder / "doctrees", "docs", folder / "html"]
     done = subprocess.run(command, capture_output=True, text=True)
