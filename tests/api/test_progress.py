@@ -92,14 +92,13 @@ class Stop:
             raise self.error("enough")
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, TimeoutError])
 @pytest.mark.parametrize(
-    ("method", "settings", "solved"),
+    ("error", "method", "settings", "solved"),
     [
-        ("patches", {}, slice(0, 5)),
-        ("bem", {}, slice(15, 20)),
-        ("auto", {"tolerance": 1e-8}, slice(0, 5)),
-        ("auto", {"tolerance": 1e-2}, slice(15, 20)),
+        (KeyboardInterrupt, "patches", {}, slice(0, 5)),
+        (TimeoutError, "bem", {}, slice(15, 20)),
+        (TimeoutError, "auto", {"tolerance": 1e-8}, slice(0, 5)),
+        (KeyboardInterrupt, "auto", {"tolerance": 1e-2}, slice(15, 20)),
     ],
 )
 def test_a_stopped_solution_keeps_the_loads_that_are_solved(error, method, settings, solved):

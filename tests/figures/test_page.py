@@ -133,10 +133,3 @@ def test_choosing_a_case_changes_the_curve(folder, text):
     assert first["compliance"] == pytest.approx(1 + LOADS)
     assert third["compliance"] == pytest.approx(3 + LOADS)
     assert third["resistance"] == pytest.approx(6 + LOADS)
-
-
-def test_an_error_in_the_browser_fails_a_test(folder):
-    """So the tests above can fail."""
-    (folder / "broken.html").write_text("<script>undefined.curve</script>")
-    with pytest.raises(AssertionError, match="Uncaught"):
-        browse(folder, "--dump-dom", (folder / "broken.html").as_uri())

@@ -132,8 +132,6 @@ def draw(
 
 def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
     """Draw the figure in the current style; raise ValueError with the reason if this fails."""
-    if wanted.draw not in KINDS:
-        raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(KINDS)}")
     kind = KINDS[wanted.draw]
     from weier.figures.style import set_load_scale
 
