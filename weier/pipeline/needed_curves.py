@@ -133,12 +133,15 @@ def each_once(parts: Iterable[Part]) -> list[Part]:
 def share(wanted: Iterable[Part], number: int, count: int) -> list[Part]:
     """Return the share of job `number` of `count` of wanted curves, whichever of them are solved.
 
-    From the longest one to the shortest, each goes to the job with the fewest expected seconds so far.
+    From the longest one to the shortest, each goes to the job with the fewest expected seconds so far. Equally long
+    ones are dealt in the order of their keys, as good as random: in the order of cases, all of a new seed might meet
+    the same job.
     """
     parts = each_once(wanted)
+    keys = np.concatenate([part.keys for part in parts])
     seconds = np.round(np.concatenate([part.seconds for part in parts]), 6)  # last bits differ between processors
     own, jobs = np.empty(seconds.size, bool), [(0.0, job) for job in range(count)]
-    for curve in np.argsort(-seconds, kind="stable").tolist():
+    for curve in np.lexsort((keys, -seconds)).tolist():
         before, job = jobs[0]
         heapreplace(jobs, (before + seconds[curve], job))
         own[curve] = job == number

@@ -52,7 +52,7 @@ SETTLED_MOVE = 0.1
 def edge_moves(
     first_node: Indices, r: Array, gap: Array, force: Array, b: Array, right_sign: float, curvature_k_0: float
 ) -> tuple[Array, Sides, Flags, float, float, bool, bool]:
-    """Return the fields of `NewtonStep` from `a` on, from forces and their expansion b.
+    """Return the fields of `NewtonStep` from `a` on except `motion`, from forces and their expansion b.
 
     The moves outward are the first two columns of an array, and `singular` the third; vanishing and merging are rows.
 

@@ -50,9 +50,9 @@ def gauss_nodes(count: int) -> tuple[Array, Array]:
 
 @kernel
 def cotangent_integrals(segments: SegmentArrays, coefficient: Array, period: float, origin: Array, y: Array) -> Array:
-    """Return int rho cot(pi (x-s)/L) ds at any x = origin + y: far from a segment, by quadrature.
+    """Return int rho cot(pi (x-s)/L) ds at any x = origin + y other than a node.
 
-    There the addition theorem gives the cotangent.
+    It is the sum over the nodes, whose cotangents the addition theorem gives, corrected near a segment.
     """
     integral, factor, (start, centre, half_width, first_node) = np.zeros(y.size), np.pi / period, segments
     at_node, forces = node_forces(segments, coefficient, False)
@@ -143,9 +143,10 @@ def values_on_segments(
 def complementary_residuals(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
     """Return the gap, or the pressure between gaps, which must vanish on the segments and be positive outside them.
 
-    Points are given by a crest and the distance from it. Far from a segment, int rho ln|2 sin(pi (x-s)/L)| ds is a
-    sum over its nodes, by Gauss's quadrature. For gaps, so is int w/sin^2(pi (x-s)/L) ds, which with the gap w is
-    -L/pi times the Cauchy integral. Near a segment, closed forms are used.
+    Points are given by a crest and the distance from it; none may be a node. Far from a segment, int rho
+    ln|2 sin(pi (x-s)/L)| ds is a sum over its nodes, by Gauss's quadrature. For gaps, so is
+    int w/sin^2(pi (x-s)/L) ds, which with the gap w is -L/pi times the Cauchy integral. Near a segment, closed forms
+    correct the sums.
     """
     segments, period = state.segments, series.period
     start = 0.5 * (segments.right[-1] - period + segments.middle[0] - segments.half_width[0])  # not on a segment
