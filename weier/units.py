@@ -138,7 +138,8 @@ def listed(name: str, text: str, unit: str) -> tuple[list[float], str]:
     except (AttributeError, ValueError):
         values = []
     if len(values) != (3 if ranged else len(parts) + 1):
-        raise ValueError(f'{name} must read "1,10 {unit}" or "first:last:count {unit}", got {text!r:.80}')
+        forms = f'"1,10 {unit}" or "first:last:count {unit}"'
+        raise ValueError(f"{name} must read {forms}, got {text!r:.80}: one unit, at the end, is that of all numbers")
     scale = factor(name, own, unit) if own else 1.0
     if not ranged:
         return [value * scale for value in values], own

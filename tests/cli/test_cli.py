@@ -97,6 +97,8 @@ WRONG_USAGE = [
     ([*SOLVE, "--loads", "1", "--pressures", "1MPa"], "loads are given once, got --pressures and --loads"),
     (["plot", *PROFILE, "x.txt"], "the name must end in one of .pdf, .svg, .png, got x.txt"),
     ([*SOLVE, "--pressures", "1MPa"], "--pressures are in Pa: name the two bodies by --si"),
+    ([*SOLVE, "--phases", "1,x"], "expected numbers with commas between, got '1,x'"),
+    (["solve", "--trace", "shaft.csv", "--columns", "0,x"], "expected whole numbers with commas between, got '0,x'"),
 ]
 
 

@@ -77,8 +77,16 @@ def _read_pressures(text: str) -> Pressures:
     return checked_numbers("pressures", values, "be positive", lambda p: p > 0), unit
 
 
+def _parts(text: str, kind: Callable[[str], Any], what: str) -> list[Any]:
+    """Return values with commas between; ValueError says what they should be."""
+    try:
+        return [kind(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(f"expected {what} with commas between, got {text!r:.80}") from None
+
+
 def _read_phases(text: str) -> float | list[float]:
-    phases = [float(part) for part in text.split(",")]
+    phases = _parts(text, float, "numbers")
     return phases if len(phases) > 1 else phases[0]
 
 
@@ -123,7 +131,8 @@ def _trace_option(name: str, key: TraceKey) -> click.Option:
     several = key.several and key.kind is not float
     if several:
         one: Callable[[str], Any] = number_or_word if key.kind is object else key.kind
-        kind = Text(lambda text: [one(part) for part in text.split(",")])
+        what = "whole numbers" if key.kind is int else "values"
+        kind = Text(lambda text: _parts(text, one, what))
     words = f"{key.says} Several are separated by commas." if several else key.says.partition(" Several")[0]
     return click.Option([f"--{name.replace('_', '-')}"], type=kind, help=words)
 
