@@ -306,3 +306,9 @@ def test_the_arguments_are_sound():
     for name in FUNCTIONS:
         if name != "open_dataset":
             FUNCTIONS[name](**arguments(name))
+
+
+def test_bytes_are_no_loads():
+    """NumPy reads those of a bytearray as integers."""
+    with pytest.raises(ValueError, match="mean_pressure must be a number or an array of numbers"):
+        weier.solve(PROFILE, bytearray(b"12"), "demelio")

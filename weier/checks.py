@@ -171,7 +171,9 @@ def _numbers(name: str, values: Any, unit: str) -> Array:
 
 
 def _array(values: Any) -> np.ndarray[Any, Any] | None:
-    """Return the values as an array that keeps the types of its elements; None if they form none."""
+    """Return the values as an array that keeps the types of its elements; None if they form none, or are bytes."""
+    if isinstance(values, bytearray | memoryview):  # which NumPy reads as integers
+        return None
     try:
         return np.asanyarray(values) if hasattr(values, "__array__") else np.array(values, object)
     except (TypeError, ValueError):  # an xarray.Dataset, or incompatible shapes

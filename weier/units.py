@@ -137,7 +137,7 @@ def listed(name: str, text: str, unit: str) -> tuple[list[float], str]:
         values = [float(part) for part in (*parts, number)]
     except (AttributeError, ValueError):
         values = []
-    if len(values) != (3 if ranged else len(parts) + 1):
+    if "_" in text or len(values) != (3 if ranged else len(parts) + 1):
         forms = f'"1,10 {unit}" or "first:last:count {unit}"'
         raise ValueError(f"{name} must read {forms}, got {text!r:.80}: one unit, at the end, is that of all numbers")
     scale = factor(name, own, unit) if own else 1.0
