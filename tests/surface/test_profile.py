@@ -73,6 +73,15 @@ def test_height_slope_and_curvature_against_mpmath(profile):
         np.testing.assert_allclose(function(x), exact, atol=2 * EPS * scale * (1 + top * np.max(np.abs(x))), rtol=0)
 
 
+def test_what_is_done_to_its_waves_does_not_reach_a_profile():
+    profile = Profile(1.5, 5, 3, 1.0)
+    before, load = profile.height(0.1), profile.full_contact_pressure.tolist()
+    profile.amplitude[0] = profile.phase[1] = profile.full_contact_pressure[2] = 9
+    profile.waves_per_period.append(7)
+    assert (profile.height(0.1), profile.full_contact_pressure.tolist()) == (before, load)
+    assert profile.waves_per_period == [1, 5, 25]
+
+
 @pytest.mark.parametrize("profile", EXAMPLES)
 @pytest.mark.parametrize("points", [64, 1000])
 def test_sampled_height_against_mpmath(profile, points):
