@@ -308,7 +308,8 @@ def test_the_arguments_are_sound():
             FUNCTIONS[name](**arguments(name))
 
 
-def test_bytes_are_no_loads():
+@pytest.mark.parametrize("loads", [bytearray(b"12"), memoryview(b"12"), [bytearray(b"1")], [1, (memoryview(b"2"),)]])
+def test_bytes_are_no_loads(loads):
     """NumPy reads those of a bytearray as integers."""
     with pytest.raises(ValueError, match="mean_pressure must be a number or an array of numbers"):
-        weier.solve(PROFILE, bytearray(b"12"), "demelio")
+        weier.solve(PROFILE, loads, "demelio")

@@ -171,10 +171,17 @@ def _numbers(name: str, values: Any, unit: str) -> Array:
 
 
 def _array(values: Any) -> np.ndarray[Any, Any] | None:
-    """Return the values as an array that keeps the types of its elements; None if they form none, or are bytes."""
-    if isinstance(values, bytearray | memoryview):  # which NumPy reads as integers
-        return None
+    """Return the values as an array that keeps the types of its elements; None if they form none, or hold bytes."""
     try:
-        return np.asanyarray(values) if hasattr(values, "__array__") else np.array(values, object)
+        if hasattr(values, "__array__"):
+            return np.asanyarray(values)
+        return None if _holds_bytes(values) else np.array(values, object)
     except (TypeError, ValueError):  # an xarray.Dataset, or incompatible shapes
         return None
+
+
+def _holds_bytes(values: Any) -> bool:
+    """Return whether the value is bytes or a nested list with bytes, which NumPy would read as integers."""
+    if isinstance(values, list | tuple):
+        return any(map(_holds_bytes, values))
+    return isinstance(values, bytearray | memoryview)

@@ -111,6 +111,8 @@ def test_yield_that_cannot_be_judged_is_named(method):
         ({"k_1": 1.0}, "give rho_1 and rho_2, .*, or k_1 and k_2, .*, got k_1, rho_1, rho_2"),
         ({"g_0": 10.0}, "slope of at most 10"),
         ({"mu_1": np.inf, "mu_2": np.inf}, "two rigid bodies"),
+        ({"mu_1": np.inf, "mu_2": np.inf, "lambda_0": None, "g_0": None}, "two rigid bodies"),
+        ({"mu_1": 1e308, "mu_2": 1e308, "lambda_0": None, "g_0": None}, "within the range of floats, got inf"),
     ],
 )
 def test_interface_refuses_what_cannot_be(changed, message):

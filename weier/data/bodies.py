@@ -98,7 +98,13 @@ class Bodies:
         for body, E in ((1, E_1), (2, E_2)):
             if E is not None:  # The warning names the given argument, E or mu.
                 known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
-        _ = self.composite_modulus  # raises for two rigid bodies
+        scale = 1.0 if self.lambda_0 is None or self.g_0 is None else self.g_0 / self.lambda_0
+        full = 2 * math.pi * self.composite_modulus * scale  # raises for two rigid bodies
+        if not 0 < full < math.inf:
+            raise ValueError(
+                "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
+                f"floats, got {full}"
+            )
         for doubt in [*self._doubts(known)]:
             warnings.warn(doubt, stacklevel=3)  # points to the call of Interface
 
