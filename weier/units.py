@@ -131,15 +131,11 @@ def listed(name: str, text: str, unit: str) -> tuple[list[float], str]:
     "1:10:40 MPa" are 40 numbers in equal ratios.
     """
     ranged = ":" in text
-    *parts, end = text.split(":" if ranged else ",")
-    try:
-        number, own = NUMBER.fullmatch(end).groups()  # type: ignore[union-attr]
-        values = [float(part) for part in (*parts, number)]
-    except (AttributeError, ValueError):
-        values = []
-    if "_" in text or len(values) != (3 if ranged else len(parts) + 1):
+    parts = [found for part in text.split(":" if ranged else ",") if (found := NUMBER.fullmatch(part))]
+    if len(parts) != (3 if ranged else text.count(",") + 1) or any(part[2] for part in parts[:-1]):
         forms = f'"1,10 {unit}" or "first:last:count {unit}"'
         raise ValueError(f"{name} must read {forms}, got {text!r:.80}: one unit, at the end, is that of all numbers")
+    values, own = [float(part[1]) for part in parts], parts[-1][2]
     scale = factor(name, own, unit) if own else 1.0
     if not ranged:
         return [value * scale for value in values], own
