@@ -125,5 +125,5 @@ def in_any_order(function: Function) -> Function:
 
 def _with_fastmath(function: Function, flag: str) -> Function:
     kernel = cast(Any, function)
-    kernel.options = kernel.options | {"fastmath": {flag}}
+    kernel.options = kernel.options | {"fastmath": kernel.options.get("fastmath", set()) | {flag}}
     return function

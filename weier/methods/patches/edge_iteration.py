@@ -257,6 +257,7 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
 
     Its moves are bounds on the moves of the next step: the contribution of rounding of the singularity, in g_0, and
     twice the square of the present ones, since the strength B changes with the edges as well.
+    `motion` remains that of the step, which has been made.
     """
     punches, gap, (shift, growth) = step.punches, step.punches.gap, step.motion
     old = punches.segments

@@ -152,7 +152,7 @@ def _close(force: Table, load: float, period: float, numbers: KindNumbers) -> tu
 
     A uniform displacement closes the balance of forces on contacts; gaps carry no load.
     """
-    is_slope, offset, total, of_even = numbers[0], numbers[5], 0.0, 0.0
+    (is_slope, _, _, _, _, offset, _, _), total, of_even = numbers, 0.0, 0.0
     for i in range(force.shape[1]):
         total += force[0, i]
         of_even += force[1, i]
