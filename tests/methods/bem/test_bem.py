@@ -161,6 +161,15 @@ def test_a_solution_does_not_depend_on_where_its_parts_end(monkeypatch, load):
     assert found[0] == found[1] == found[2]
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [({"points": 50}, "points must be a whole number above 50"), ({"staircase": "foo"}, "staircase must be")],
+)
+def test_the_curve_of_a_grid_refuses_what_it_cannot_resolve(options, message):
+    with pytest.raises(ValueError, match=message):
+        bem.curve(Profile(1.25, 5, 3), [0.1], **options)
+
+
 def test_fewer_chords_bound_the_error_of_R_as_well(monkeypatch):
     """In blocks of as many loads; the exact slope of one wave lies within both bounds."""
     profile, loads = Profile(1.25, 5, 1), np.geomspace(1e-3, 0.9, 50)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier.checks import checked_number, checked_word
 from weier.kernels.arrays import Array
 from weier.methods.bem import active_set, stated_errors
 from weier.methods.bem.grids import full_contact_pressure
@@ -70,7 +71,13 @@ def curve(
     staircase kept, R is the exact derivative of the discrete h(p), a polygon, and its error falls as N^-1.
 
     """
-    loads, points = checked_loads(mean_pressure), points or int(points_of(profile))
+    checked_word("staircase", staircase, ("removed", "kept"))
+    check_resolvable(profile)
+    loads, finest = checked_loads(mean_pressure), profile.waves_per_period[-1]
+    condition = f"be a whole number above {2 * finest}, two for each of the {finest} finest waves in a period"
+    given = points_of(profile) if points is None else points
+    points = int(checked_number("points", given, condition, lambda n: n > 2 * finest and n == n // 1))
+    check_points(points)
     full = min(full_contact_load(profile, points), profile.full_contact_load)
     found, partial = list[tuple[NodalSolution, Corrected]](), loads[loads < full]
     corrected = in_continuum if staircase == "removed" else on_nodes
