@@ -55,7 +55,7 @@ def begin(problem: Problem) -> PolonskyKeer:
 def begin_counted(problem: Problem) -> PolonskyKeer:
     """Return a solver that counts gradients by an additional energy term of value 0, which calls Python."""
 
-    class Count(import_module("tamaas").Functional):  # type: ignore[misc]  # optional and untyped package
+    class Count(import_module("tamaas").Functional):
         gradients = 0
 
         def computeF(self, pressure: Array, gap: Array) -> float:

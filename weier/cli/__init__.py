@@ -45,7 +45,7 @@ def cli() -> None:
 
     \b
     eval "$(_WEIER_COMPLETE=bash_source weier)"
-    """  # noqa: D301 - click keeps the lines after the character \b
+    """
 
 
 for _command in (

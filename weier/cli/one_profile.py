@@ -81,7 +81,7 @@ def solve(output: Path | None, force: bool, workers: int, **given: Any) -> None:
     weier solve --trace lab.txt --skip 12 --columns 0,2 --decimal , --unit um
     weier solve --trace map.x3p --line 120 --detrend form --max-gap 5
     weier solve --trace shaft.csv --against bush.csv --si bodies.yaml --pressures 1,10MPa
-    """  # noqa: D301 - click wants the character
+    """
     call = _call(LOADS, **given)
     from weier.cli.call import check_solved, solved_loads
     from weier.cli.output import SolutionFile
@@ -116,7 +116,7 @@ def plot(path: Path, force: bool, quantity: str, workers: int, **given: Any) -> 
     weier plot -D 1.25 --gamma 5 -m 3 curves.png
     weier plot -D 1.5 --gamma 3 -m 2 --quantity resistance --method layer --method patches resistance.pdf
     weier plot --trace shaft.csv --si bodies.yaml --pressures 1:100:40MPa --quantity resistance ohms.png
-    """  # noqa: D301 - click wants the character
+    """
     options.check_free(path, force)
     call = _call(PLOTTED_LOADS, plotted=PLOTTED, **given)
     options.check_line(call.loads)

@@ -66,7 +66,7 @@ def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool)
     weier table results/paper/contact.nc curves.csv
     weier table curve.nc --si bodies.yaml
     weier table results/paper/contact.nc --ensemble --si bodies.yaml
-    """  # noqa: D301 - click wants the character
+    """
     from weier.cli.call import read_bodies
     from weier.data import dataset  # xarray takes half a second, and the help of the command needs none of it
 
@@ -114,7 +114,7 @@ def report(
     \b
     weier report shaft*.csv --si bodies.yaml --pressures 1:100:20MPa -o report.csv -o report.png
     weier report shaft.csv --x-unit mm --height-unit um --si bodies.yaml --pressures 1,10MPa
-    """  # noqa: D301 - click wants the character
+    """
     if bodies is None or pressures is None:
         raise click.UsageError("a report needs the two bodies, by --si, and the mean pressures, by --pressures")
     for path in outputs:  # is checked before any file is read

@@ -28,7 +28,7 @@ MAX_VALUES_IN_MESSAGE = 10  # values listed in a message
 NEEDED = (*PARAMETERS, "solution_method", "mean_pressure")
 
 
-@xr.register_dataset_accessor("weier")  # type: ignore[no-untyped-call]
+@xr.register_dataset_accessor("weier")
 class CurvesAccessor:
     """The methods that `data.weier` adds to an `xarray.Dataset` of curves."""
 
@@ -151,7 +151,7 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
             raise ValueError(f"{label} has the dimension {strange[0]}, which curves have not: unstack it first")
         if variable.dims != dims:
             sizes = {dim: data.sizes.get(dim, 1) for dim in dims}
-            changed[label] = variable.set_dims(sizes).transpose(*dims)  # type: ignore[no-untyped-call]
+            changed[label] = variable.set_dims(sizes).transpose(*dims)
     # A coordinate that becomes a dimension needs a new index.
     kept = {label: variable for label, variable in data.variables.items() if label not in changed}
     return xr.Dataset(kept | changed, attrs=data.attrs).set_coords(list(data.coords)) if changed else data

@@ -224,7 +224,7 @@ def _field(key: TraceKey) -> Any:
 _Trace: Any = create_model("_Trace", __base__=Section, **{name: _field(key) for name, key in TRACE_KEYS.items()})
 
 
-class TraceKeys(_Trace):  # type: ignore[misc]
+class TraceKeys(_Trace):  # type: ignore[misc]  # its keys are known when it runs
     """Measured heights, as `weier.Trace.read` takes them."""
 
     file: FileNames = Field(

@@ -81,7 +81,7 @@ class SceneError(ValueError):
     """A scene file that cannot be run: the message names the file, and the line and the key of each mistake."""
 
 
-class Mistake(Exception):  # noqa: N818
+class Mistake(Exception):  # noqa: N818 - a part of the error that users see, `SceneError`
     """A mistake in words, at the place of these keys."""
 
     def __init__(self, keys: Keys, text: str) -> None:
