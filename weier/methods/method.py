@@ -21,6 +21,7 @@ from weier.surface.waves import Waves
 
 Settings = Mapping[str, Any]
 CURVE_SECONDS = 5e-4  # seconds of the simplest curve: `python -m benchmarks expected_seconds`
+CURVES, OTHERS = ".curves", ".others"  # shares of the kernels of a method: of curves of few waves, and `run_kernels`
 
 
 class Style(NamedTuple):
@@ -135,8 +136,8 @@ class Method:
     complete : callable
         From a surface, loads, a Curve joined from curves of some of these loads, and settings as keywords to this
         Curve with the quantities that depend on all loads.
-    run_kernels : callable
-        Runs compiled functions that usual curves do not reach, for `weier compile`.
+    run_kernels : callable or None
+        Runs compiled functions that curves of few waves do not reach, for `weier compile`.
     """
 
     name: str
@@ -159,7 +160,12 @@ class Method:
     seconds: Callable[..., float] = lambda profile, loads, **settings: CURVE_SECONDS
     by_load: Callable[..., bool] = lambda **settings: False
     complete: Callable[..., Curve] = lambda profile, loads, curve, **settings: curve
-    run_kernels: Callable[[], object] = lambda: None
+    run_kernels: Callable[[], object] | None = None
+
+    @property
+    def kernels(self) -> list[str]:
+        """The names of shares of its kernels, which can be compiled at once."""
+        return [self.name + share for share in (CURVES, OTHERS) if share == CURVES or self.run_kernels]
 
     def check_applies(self, profile: Waves) -> None:
         """Raise NotApplicableError, with the reason, if the method does not apply to a surface."""

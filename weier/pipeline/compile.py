@@ -12,6 +12,7 @@ from weier.api.fields import events, fields
 from weier.api.task import CurveTask
 from weier.methods import registry
 from weier.methods.errors import NotApplicableError
+from weier.methods.method import CURVES, OTHERS
 from weier.methods.registry import find_method
 from weier.surface.profile import Profile
 
@@ -21,13 +22,20 @@ TWO_WAVES = Profile(D=1.25, gamma=2, m=2)  # Two waves suffice to reach all kern
 INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # A small tail needs only small grids.
 
 
-def compile_kernels(methods: Collection[str] = ()) -> None:
-    """Compile the kernels of some methods, or of all and of fields and events, by running them; numba keeps them."""
-    for method in [find_method(name) for name in methods] or registry.METHODS:
-        method.run_kernels()
-        for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
-            with suppress(NotApplicableError):
-                CurveTask(profile, method.name, {}, loads).solve()
-    if not methods:
+def compile_kernels(names: Collection[str] = ()) -> None:
+    """Compile the kernels of some methods or shares, or of all and of fields and events, by running them."""
+    for name in names or registry.names():
+        method = find_method(name.removesuffix(CURVES).removesuffix(OTHERS))
+        if method.run_kernels and not name.endswith(CURVES):
+            method.run_kernels()
+        if not name.endswith(OTHERS):
+            _solve_curves(method.name)
+    if not names:
         fields(TWO_WAVES, 0.1)
         events(TWO_WAVES, LOADS[0], LOADS[-1])
+
+
+def _solve_curves(method: str) -> None:
+    for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
+        with suppress(NotApplicableError):
+            CurveTask(profile, method, {}, loads).solve()

@@ -178,8 +178,8 @@ class Plan:
         except OSError:
             return []
         named = {part.kind.method for part in self.missing(wildcards.what)} - {SURFACE}
-        methods = {method.name for name in named for method in methods_run_by(name) if method.numerical}
-        return sorted(map(kernels_file, methods))
+        methods = {method.name: method for name in named for method in methods_run_by(name) if method.numerical}
+        return sorted(kernels_file(share) for method in methods.values() for share in method.kernels)
 
     def _announce(self) -> None:
         """Print the expected time of missing curves, for each scene that takes long."""
@@ -211,8 +211,8 @@ def missing(
     return curves(names[0]).store.lacking(wanted if count == 1 else share(wanted, number, count))
 
 
-def kernels_file(method: str) -> str:
-    """Return the marker file of a compiled method: in the cache, so that runs in all folders share it.
+def kernels_file(kernels: str) -> str:
+    """Return the marker file of some kernels: in the cache, so that runs in all folders share it.
 
     Without a home directory there is no cache, and the file is not used.
     """
@@ -220,7 +220,7 @@ def kernels_file(method: str) -> str:
         cache = cache_folder()
     except OSError:
         cache = Path("results")
-    return str(cache / "compiled" / method)
+    return str(cache / "compiled" / kernels)
 
 
 def names_of_scenes(config: Mapping[str, Any]) -> list[str]:

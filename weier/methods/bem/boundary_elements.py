@@ -25,7 +25,6 @@ from weier.methods.load_progress import count_load, keeping
 from weier.methods.method import CURVE_SECONDS, TOLERANCES, Method, Range, Setting, Style, applies_to_resolvable
 from weier.surface.limits import check_points, check_resolvable
 from weier.surface.loads import checked_loads
-from weier.surface.profile import Profile
 from weier.surface.waves import MAX_POINTS, Waves
 
 POINTS_PER_WAVE = 64  # error of R below 1 % at nine of ten loads (docs/numerics.md, "The resistance of a grid")
@@ -230,5 +229,4 @@ METHOD = Method(
     by_load=lambda **settings: True,
     complete=with_errors,
     # compiles the kernels of edges on nodes, which default curves do not call
-    run_kernels=lambda: curve(Profile(D=1.25, gamma=2, m=2), [0.1, 1.0], staircase="kept"),
 )

@@ -19,7 +19,8 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import MARGIN, ConvergenceError
 from weier.methods.load_progress import count_load, keeping
 from weier.methods.method import CURVE_SECONDS, TOLERANCES, Method, Setting, Style, applies_to_resolvable
-from weier.methods.patches.certificate import contact_residual, stated_errors
+from weier.methods.patches.certificate import stated_errors
+from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.given_edges import (
     make_punches,
     moved_expansion,
@@ -28,9 +29,9 @@ from weier.methods.patches.given_edges import (
 )
 from weier.methods.patches.pair_sums import MAX_DIRECT, potential
 from weier.methods.patches.pressure_and_gap import node_forces, pressures_or_gaps
-from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces
+from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces, make_segments
 from weier.methods.patches.stages import MAX_OVER_TARGET, MAX_TOLERANCE, MIN_TOLERANCE, TARGET, solve_in_stages
-from weier.methods.patches.start import TOLERANCE, Starts, isolated_contacts, isolated_gaps
+from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import (
     CosineSeries,
     Extent,
@@ -38,11 +39,9 @@ from weier.methods.patches.surface import (
     Surface,
     evaluate_at,
     evaluate_near,
-    surface_of,
 )
 from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.loads import checked_loads
-from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
 MIN_LOAD = 1e-300  # p_0*; squares of half-widths underflow under lighter loads
@@ -268,29 +267,16 @@ def check_loads(mean_pressure: ArrayLike) -> Array:
 
 
 def run_kernels() -> None:
-    """Solve for one contact and for one gap with the solvers of few and of many, and take both kinds of sums.
-
-    Nothing starts from boundary elements, which may still be compiled by another process.
-    """
-    one_wave, light = Profile(D=1.25, gamma=2, m=1), 1e-3
-    surface = surface_of(one_wave)
-    nearly_full = surface.full_contact_load - light
-    for guess in (isolated_contacts(surface.heights, light), isolated_gaps(surface.tensions, nearly_full)):
-        assert guess is not None
-        kind, series = guess.kind, guess.kind.series(surface)
-        curve(one_wave, guess.load)
-        state, _ = solve_in_stages(surface, guess, TOLERANCE)
-        punches, none = make_punches(state.segments, series.period, kind, most=0), np.zeros_like(state.coefficient)
-        solve_forces_on_contacts(punches, none + kind.increment, guess.load, none, 0.0, 1.0)
-        segments, first, b = state.segments, np.zeros(1, np.int64), state.coefficient
-        still = np.zeros_like(segments.half_width)
-        moved_expansion(segments.first_node, segments.half_width, b, b, still, still)
-        transfer_forces(segments, b, first, punches)
-        for singular in (False, True):
-            densities_on_contacts(segments.first_node, state.coefficient, first, np.zeros((1, 1)), singular)
-        contact_residual(state, series)
-        many = np.linspace(0.0, 0.5 * series.period, MAX_DIRECT + 1)
-        potential(0 * many, many, many, 0 * many, many, series.period, kind.is_slope)
+    """Run on one segment the sums over many that curves of few waves do not take."""
+    first, middle, half_width, b = np.zeros(1, np.int64), np.zeros(1), np.full(1, 0.1), np.ones(8)
+    segments = make_segments(first, middle, middle, half_width, np.full(1, b.size))
+    punches = make_punches(segments, 1.0, CONTACTS, most=0)
+    solve_forces_on_contacts(punches, b, 1.0, b, 0.0, 1.0)
+    moved_expansion(segments.first_node, half_width, b, b, half_width, half_width)
+    transfer_forces(segments, b, first, punches)
+    densities_on_contacts(segments.first_node, b, first, np.zeros((1, 1)), False)
+    many = np.linspace(0.0, 0.5, MAX_DIRECT + 1)
+    potential(0 * many, many, many, 0 * many, many, 1.0, False)
 
 
 METHOD = Method(
