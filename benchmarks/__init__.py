@@ -1,6 +1,6 @@
 """Comparisons with other programs, and measurements behind constants and claims of the documentation.
 
-`python -m benchmarks NAME` writes results/NAME/NAME.md; the comparisons write to results/benchmark.
+`python -m benchmarks NAME` prints a page of Markdown; the comparisons write to results/benchmark.
 
 | name | what it measures |
 |---|---|

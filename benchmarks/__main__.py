@@ -11,9 +11,9 @@ NAMES = (
 def run() -> None:
     """Set one thread before a measurement imports NumPy, then run the command line."""
     use_one_thread()
-    from weier.accuracy.measurement import Measurements
+    from weier.accuracy.measurement import commands
 
-    Measurements("benchmarks", NAMES, "Compare weier with other programs, and measure its constants.").main()
+    commands("benchmarks", NAMES, "Compare weier with other programs, and measure its constants.")()
 
 
 if __name__ == "__main__":

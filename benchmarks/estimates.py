@@ -9,7 +9,7 @@ import click
 import numpy as np
 
 from weier.accuracy.measurement import measurement
-from weier.accuracy.runner import by_default, run
+from weier.accuracy.runner import Variant, run
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.surface.profile import Profile
@@ -51,7 +51,7 @@ def exponents(seeds: int, series: tuple[float, int, int] = (1.25, 5, 3)) -> dict
 
 def _solved(method: str, profile: Profile, loads: Array) -> Array:
     """Return compliance, resistance and contact fraction, or NaN for it, shape (3, loads)."""
-    solved = run(by_default(method), profile, loads)
+    solved = run(Variant(method), profile, loads)
     area = solved.others.get("contact_fraction", np.full(loads.size, np.nan))
     return np.vstack([solved.values, area])
 

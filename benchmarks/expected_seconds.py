@@ -32,7 +32,7 @@ SETTINGS = {
     "patches": ({"tolerance": 1e-4}, {"tolerance": 1e-11}),
     "auto": ({"tolerance": 1e-2},),
 }
-HEADER = ("method", "settings", "surfaces", "loads", "curves", "seconds", "measured/expected")
+HEADER = ("method and settings", "surfaces", "loads", "curves", "seconds", "measured/expected")
 
 
 def surfaces(most: int) -> Iterator[tuple[str, Waves]]:
@@ -77,7 +77,7 @@ def rows(variant: Variant, most: int) -> Iterator[list[str]]:
                 found.setdefault((kind, loads), []).append((seconds, ratio))
     for (kind, loads), measured in sorted(found.items()):
         ends = [f"{min(own):.2g} to {max(own):.2g}" for own in zip(*measured, strict=True)]
-        yield [variant.method, variant.name, kind, str(loads), str(len(measured)), *ends]
+        yield [variant.name, kind, str(loads), str(len(measured)), *ends]
 
 
 def seconds_of_start() -> float:
@@ -101,7 +101,6 @@ def main(most: int, methods: str) -> list[str]:
     lines: list[list[str]] = []
     for name in methods.split(","):
         for settings in ({}, *SETTINGS.get(name, ())):
-            words = " ".join(f"{key} = {value:g}" for key, value in settings.items()) or "by default"
-            list(rows(Variant(words, name, settings), 25))  # compile first
-            lines += rows(Variant(words, name, settings), 125 if settings else most)
+            list(rows(Variant(name, settings), 25))  # compile first
+            lines += rows(Variant(name, settings), 125 if settings else most)
     return [markdown.table(HEADER, lines), f"Starting a process takes {seconds_of_start():.2g} s."]

@@ -25,20 +25,20 @@ PACKAGE = Path(weier.__file__).parent
 BEM = """
 found = []
 for m, points in ((3, 64), (5, 64), (7, 16)):
-    variant, loads = Variant("bem", "bem", {"points_per_wave": points}), MANY if m < 7 else np.array([2.0])
+    variant, loads = Variant("bem", {"points_per_wave": points}), MANY if m < 7 else np.array([2.0])
     found.append(run(variant, series(m), loads).others["work"].sum())
 """
 PATCHES = """
 found = []
 for m, loads in ((3, MANY), (5, MANY), (7, np.array([0.1]))):
-    runs = [run(by_default("patches"), series(m), loads).seconds for _ in range(4)]
+    runs = [run(Variant("patches"), series(m), loads).seconds for _ in range(4)]
     found.append(min(runs[1:]))
 """
 SOLVE = """
 import json
 import numpy as np
 from weier import Profile
-from weier.accuracy.runner import Variant, by_default, run
+from weier.accuracy.runner import Variant, run
 
 MANY, series = np.geomspace(1e-3, 2, 12), lambda m: Profile(1.25, 5, m, [0.0] + [1.0] * (m - 1))
 {}

@@ -19,7 +19,7 @@ rule tradeoff:
         scene=lambda wildcards, input: [f"--scene {path}" for path in input],
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run}.accuracy {params.study} {params.scene} "
-        "--output {output.page:q} 2>&1 | tee -i {log:q}"
+        "> {output.page:q} 2> >(tee -i {log:q} >&2)"
 
 
 use rule tradeoff as extremes with:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.marks import examples
 from weier import Profile
-from weier.accuracy.curve_checks import check
+from weier.accuracy.extremes import check
 from weier.accuracy.runner import Outcome, Variant, attempt
 from weier.methods.registry import METHODS, find_method
 
@@ -55,7 +55,7 @@ def solvable_series(draw):
 
 def checked_run(name, profile, mean_pressure, **options):
     """A run whose numbers, where there are any, make a compliance: each load else has a clear sentence."""
-    made = attempt(Variant(name, name, options), profile, mean_pressure)
+    made = attempt(Variant(name, options), profile, mean_pressure)
     assert not made.warned
     assert set(made.outcome) <= {Outcome.finite, Outcome.clear_error}, made.message
     solved = made.outcome == Outcome.finite

@@ -1,4 +1,4 @@
-"""The extremes: what is examined, the page with its faults, and its figure."""
+"""The extremes: what is examined, the checks of a curve, and the page with its faults."""
 
 from dataclasses import replace
 
@@ -9,11 +9,11 @@ from tests.toy_method import TOY
 from weier import Profile
 from weier.accuracy import extremes, reference
 from weier.accuracy.ill_conditioned import Extreme, variants
-from weier.accuracy.runner import Outcome, Variant, by_default
-from weier.methods import auto, registry
+from weier.accuracy.runner import Outcome, Variant
+from weier.methods import auto, registry, westergaard
 
 LOADS = np.array([1e-3, 0.1, 1.0, 10.0])
-METHODS = [by_default(name) for name in ("archard", "demelio", "bem", "patches")]
+METHODS = [Variant(name) for name in ("archard", "demelio", "bem", "patches")]
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def test_a_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
         return replace(solved, resistance_error=solved.resistance_error / 100)
 
     series = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
-    some = [Extreme("light", series, np.geomspace(1e-12, 1e-4, 5), (Variant("auto", "auto", {}),))]
+    some = [Extreme("light", series, np.geomspace(1e-12, 1e-4, 5), (Variant("auto"),))]
     assert extremes.examine(some)[0].faults == []
     changed = replace(auto.METHOD, solve=overconfident)
     monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[:-1], changed))
@@ -84,3 +84,35 @@ def test_a_method_that_is_only_listed_is_examined(monkeypatch):
     (found,) = extremes.examine([Extreme("two waves", profile, loads, (toy,))])
     assert (found.digits[0] == 16).all()
     assert found.faults == ["not within band"]
+
+
+ONE, MANY = Profile(1.25, 5, 1), np.geomspace(1e-6, 10, 30)
+H, R = westergaard.compliance(MANY), westergaard.resistance(MANY)
+DENTED = np.where(np.arange(30) == 12, H - 1e-3, H)
+FALLING = np.where(np.arange(30) == 29, H[28] - 1e-3, H)
+ALL = {"within_band", "monotone", "concave"}
+
+
+def passed(h, slope, h_error=0.0, R_error=0.0):
+    stated = np.stack([np.full(30, h_error), np.full(30, R_error)])
+    found = extremes.check("bem", ONE, MANY, np.stack([h, slope]), stated)
+    return {name for name, holds in found.items() if holds}
+
+
+@pytest.mark.parametrize(
+    ("h", "slope", "expected"),
+    [
+        (H, R, ALL),
+        (FALLING, R, set()),
+        (DENTED, R, {"monotone"}),
+        (H, R * 1.3, {"monotone"}),
+        (H, R + 1, {"monotone"}),
+    ],
+)
+def test_each_check_can_fail(h, slope, expected):
+    assert passed(h, slope) == expected
+
+
+def test_what_a_solution_is_off_is_allowed():
+    assert passed(DENTED, R, 2e-3) == passed(FALLING, R, 2e-3) == ALL
+    assert "concave" in passed(H, R * 1.3, R_error=0.4 * R.max())

@@ -18,9 +18,7 @@ LOADS = np.array([0.01, 0.1])
 
 
 def reference_of(name, profile, loads=LOADS):
-    return find_reference(
-        registry.find_method(name), profile, loads, attempt(Variant(name, name, {}), profile, loads)
-    )
+    return find_reference(registry.find_method(name), profile, loads, attempt(Variant(name), profile, loads))
 
 
 @pytest.mark.parametrize("known", REFERENCES, ids=str)

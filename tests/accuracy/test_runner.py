@@ -1,12 +1,10 @@
 """A variant ends in numbers, or in an error, which is judged for clarity."""
 
-import time
 import warnings
 
 import numpy as np
 import pytest
 
-from tests.signals import HANDLER_ERRORS, interrupting
 from weier import Profile
 from weier.accuracy.runner import Outcome, Variant, attempt
 from weier.methods import registry, westergaard
@@ -38,7 +36,7 @@ def listed(monkeypatch):
 
     def listing(method):
         monkeypatch.setattr(registry, "METHODS", (*registry.METHODS, method))
-        return Variant(method.name, method.name, {})
+        return Variant(method.name)
 
     return listing
 
@@ -60,11 +58,9 @@ def test_what_is_a_clear_error(listed, error, outcome):
     assert np.isnan(found.values).all()
 
 
-@pytest.mark.parametrize("error", HANDLER_ERRORS)
-def test_what_a_signal_raises_is_no_result(listed, error):
-    sleeping = listed(Method("sleeping", "sleeping", "sleeps", lambda profile, loads: time.sleep(10)))
-    with interrupting(error), pytest.raises(error):
-        attempt(sleeping, ONE, LOADS)
+def test_a_time_limit_is_no_result(listed):
+    with pytest.raises(TimeoutError):
+        attempt(listed(raising(TimeoutError())), ONE, LOADS)
 
 
 def test_a_warning_is_kept_and_a_curve_that_breaks_is_tried_load_by_load(listed):

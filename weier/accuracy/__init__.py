@@ -1,6 +1,6 @@
 """Measurements of weier itself: errors, computing time, and coverage of the stated errors.
 
-`python -m weier.accuracy NAME` writes results/NAME/NAME.md, and tradeoff draws a figure beside it.
+`python -m weier.accuracy NAME` prints a page of Markdown; `tradeoff` draws a figure as well.
 
 | name | what it measures |
 |---|---|
@@ -9,6 +9,5 @@
 | `extremes` | stability at the limits of floats |
 | `tradeoff` | speed against accuracy of all variants of methods |
 
-`runner` runs a variant, `reference` computes the reference and errors, `families` draws hard series, and
-`measurement` makes a command and its page. Imports all folders but the command line.
+Imports all folders but the command line.
 """

@@ -1,9 +1,9 @@
 """The measurements of weier itself: `python -m weier.accuracy NAME`."""
 
-from weier.accuracy.measurement import Measurements
+from weier.accuracy.measurement import commands
 
 NAMES = ("convergence", "coverage", "extremes", "tradeoff")
-main = Measurements("weier.accuracy", NAMES, "Measure weier itself: errors, seconds, and coverage of stated errors.")
+main = commands("weier.accuracy", NAMES, "Measure weier itself: errors, seconds, and coverage of stated errors.")
 
 if __name__ == "__main__":
     main()

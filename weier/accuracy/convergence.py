@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -34,7 +34,11 @@ class Resolved(NamedTuple):
     nodes: float
     low: Array
     high: Array
-    estimate: Array
+
+    @property
+    def estimate(self) -> Array:
+        """The middle of the bounds."""
+        return (self.low + self.high) / 2
 
 
 def measure(profile: Profile, loads: Array, max_terms: int) -> list[Resolved]:
@@ -44,25 +48,20 @@ def measure(profile: Profile, loads: Array, max_terms: int) -> list[Resolved]:
         kept = profile.truncated(terms)
         tolerance = min(MESH_FRACTION * kept.tail_amplitude, MAX_TOLERANCE)
         try:
-            solved = run(Variant(str(terms), bem.METHOD.name, {"tolerance": tolerance}), kept, loads)
+            solved = run(Variant(bem.METHOD.name, {"tolerance": tolerance}), kept, loads)
         except (ConvergenceError, OutOfReachError) as error:
             print(f"{profile.describe()}, {terms} terms resolved: {error}", file=sys.stderr)
             continue
-        low, high = complete_bounds(solved.values[0], kept.tail_amplitude, profile.total_amplitude, solved.stated[0])
-        found.append(Resolved(terms, solved.others["points"], low, high, (low + high) / 2))
+        bounds = complete_bounds(solved.values[0], kept.tail_amplitude, profile.total_amplitude, solved.stated[0])
+        found.append(Resolved(terms, solved.others["points"], *bounds))
     return found
 
 
-def rows(profile: Profile, resolved: Sequence[Resolved]) -> list[list[str]]:
-    """Return the largest half-width of the bounds over the loads, and the distance from the last estimate."""
-    seed, last = profile.labels["seed"], resolved[-1]
-    name = profile.describe() + ("" if np.isnan(seed) else f", seed = {seed:.0f}")
-    found = []
+def rows(profile: Profile, resolved: Sequence[Resolved]) -> Iterator[list[str]]:
+    """Yield the largest half-width of the bounds over the loads, and the distance from the last estimate."""
     for one in resolved:
-        error = np.nan if one is last else np.abs(one.estimate - last.estimate).max()
-        errors = number((one.high - one.low).max() / 2, ".1e"), number(error, ".1e")
-        found.append([name, str(one.terms), f"{one.nodes:.0f}", *errors])
-    return found
+        width, error = (one.high - one.low).max() / 2, np.abs(one.estimate - resolved[-1].estimate).max()
+        yield [profile.describe(), str(one.terms), f"{one.nodes:.0f}", number(width, ".1e"), number(error, ".1e")]
 
 
 @measurement("The infinite series, by the terms that are resolved")
@@ -77,4 +76,4 @@ def main(scene: Path, terms: int) -> list[str]:
     """
     loaded = load(scene)
     found = (rows(case.profile, measure(case.profile, loaded.loads, terms)) for case in loaded.distinct)
-    return [table(HEADER, list(chain.from_iterable(found)))]
+    return [table(HEADER, chain.from_iterable(found))]

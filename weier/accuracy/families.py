@@ -5,12 +5,11 @@ Phases, loads and settings of boundary elements are drawn from several kinds as 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import cycle
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
-import click
 import numpy as np
 from numpy.random import Generator
 
@@ -26,52 +25,71 @@ MAX_WAVES = 1000  # per period; contact patches then take at most a third of a s
 LOADS = 8  # loads per series
 SHAPE_SAMPLES = 4096  # samples that define a smooth surface
 VARIANTS = "bem", "bem with staircase", "patches"
-# ratios gamma with a period of many lambda_0
-RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
 Kind = TypeVar("Kind")
 
 
 class Draw(NamedTuple):
-    """A series of a family with its loads, and the variants that are compared under them."""
+    """A series of a family with its loads, and the variants that are compared under them, by name."""
 
     family: str
     profile: Waves
     loads: Array
-    variants: tuple[Variant, ...]
+    variants: dict[str, Variant]
 
 
-# Series have at most MAX_WAVES per period.
+class Family(NamedTuple):
+    """Ratios of wavelengths, the smallest and largest number of terms, and whether D is next to 1 or 2."""
+
+    gamma: Sequence[str]
+    few: int
+    many: int
+    extreme_dimension: bool = False
 
 
-def usual(random: Generator) -> tuple[float, Fraction, int]:
-    """Draw whole ratios to 10."""
-    return random.uniform(1.02, 1.98), Fraction(int(random.integers(2, 11))), int(random.integers(1, 6))
+WHOLE = tuple(map(str, range(2, 11)))
+LONG_PERIODS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")  # many lambda_0
+COARSE = tuple(f"{ratio:.0f}" for ratio in np.geomspace(20, MAX_WAVES, 40))  # some crests carry hundreds of contacts
+SERIES = {
+    "usual": Family(WHOLE, 1, 5),
+    "rational gamma": Family(LONG_PERIODS, 2, 5),
+    "gamma 20 to 1000": Family(COARSE, 2, 2),
+    "m to 7": Family(("4/3", "3/2", "2", "3"), 5, 7),
+    "D near 1 and 2": Family((*WHOLE, *LONG_PERIODS), 1, 5, extreme_dimension=True),
+}
+FAMILIES = (*SERIES, "smooth")
 
 
-def rational(random: Generator) -> tuple[float, Fraction, int]:
-    """Draw rational gamma with a period of many lambda_0."""
-    return random.uniform(1.02, 1.98), Fraction(str(random.choice(RATIOS))), int(random.integers(2, 6))
+def draws(names: Iterable[str], random: Generator, count: int) -> Iterator[Draw]:
+    """Yield draws of the families in turn, with at least this number of loads."""
+    for name in cycle(names):
+        if count <= 0:
+            return
+        profile = _choice(random, (power_law, shape))(random) if name not in SERIES else _series(random, SERIES[name])
+        loads = np.unique(_choice(random, (any_loads, near_events, near_full_contact))(random, profile))
+        grid = _choice(random, (points, tolerances))(random, profile)
+        tolerance = {"tolerance": 10 ** random.uniform(-10, -2)}  # the reference is not finer than 1e-10 g_0
+        settings = grid, {**grid, "staircase": "kept"}, tolerance
+        variants = (Variant(name.split()[0], own) for name, own in zip(VARIANTS, settings, strict=True))
+        yield Draw(name, profile, loads, dict(zip(VARIANTS, variants, strict=True)))
+        count -= loads.size
 
 
-def coarse(random: Generator) -> tuple[float, Fraction, int]:
-    """Draw ratios of 20 to 1000: a few crests of the first wave carry hundreds of contacts."""
-    return random.uniform(1.02, 1.98), Fraction(round(np.exp(random.uniform(np.log(20), np.log(1000))))), 2
+def _choice(random: Generator, kinds: Sequence[Kind]) -> Kind:
+    return kinds[int(random.integers(len(kinds)))]
 
 
-def long(random: Generator) -> tuple[float, Fraction, int]:
-    """Draw five to seven terms."""
-    return (
-        random.uniform(1.02, 1.98),
-        Fraction(str(random.choice(["3/2", "4/3", "2", "3"]))),
-        int(random.integers(5, 8)),
-    )
-
-
-def extreme_dimension(random: Generator) -> tuple[float, Fraction, int]:
-    """Draw D within 1e-9 to 1e-1 of 1 and 2."""
-    _, gamma, m = (usual, rational)[random.integers(2)](random)
+def _series(random: Generator, family: Family) -> Profile:
+    """Draw a series of at most `MAX_WAVES` waves per period."""
+    while True:
+        gamma, m = _choice(random, family.gamma), int(random.integers(family.few, family.many + 1))
+        if Fraction(gamma).numerator ** (m - 1) <= MAX_WAVES:
+            break
     distance = 10 ** random.uniform(-9, -1)
-    return float(random.choice([1 + distance, 2 - distance])), gamma, m
+    extremes = 1 + distance, 2 - distance
+    D = _choice(random, extremes) if family.extreme_dimension else random.uniform(1.02, 1.98)
+    waves = np.array(Profile(D, gamma, m).waves_per_period, float)
+    phases = _choice(random, (any_phases, near_symmetry, aligned))(random, waves)
+    return Profile(D, gamma, m, tuple(phases.tolist()))
 
 
 # Smooth surfaces: each contact spans many of the finest waves.
@@ -95,7 +113,7 @@ def shape(random: Generator) -> Waves:
     return Cosines(np.abs(wave[kept]), (kept + 1).tolist(), np.angle(wave[kept]))
 
 
-# functions that draw the phases of a series
+# Phases.
 
 
 def any_phases(random: Generator, waves: Array) -> Array:
@@ -111,8 +129,7 @@ def near_symmetry(random: Generator, waves: Array) -> Array:
 
 def aligned(random: Generator, waves: Array) -> Array:
     """Return phases for which all crests, or all troughs, meet at one place: on a node, between two, or anywhere."""
-    points = 32 * waves[-1]
-    place = float(random.choice([0.0, 0.5, 0.25, random.random()])) / points
+    place = float(random.choice([0.0, 0.5, 0.25, random.random()])) / (32 * waves[-1])
     return np.asarray(-2 * np.pi * waves * place + np.pi * float(random.random() < 0.2))
 
 
@@ -125,19 +142,22 @@ def any_loads(random: Generator, profile: Waves) -> Array:
 
 
 def near_events(random: Generator, profile: Waves) -> Array:
-    """Draw loads within a relative 1e-10 to 1e-1 of a birth or merger, on either side."""
+    """Draw loads within a relative 1e-10 to 1e-1 of a birth or merger, on either side; any loads if none is found."""
     low, high = (profile.full_contact_load * 10 ** random.uniform(*decades) for decades in ((-7, -2), (-2, -1e-3)))
-    count = _count(profile, low)
-    if count == _count(profile, high):
+    try:
+        count = _count(profile, low)
+        if count == _count(profile, high):
+            return any_loads(random, profile)
+        while high / low > 1 + 1e-11:
+            middle = np.sqrt(low * high)
+            low, high = (middle, high) if _count(profile, middle) == count else (low, middle)
+    except ConvergenceError:
         return any_loads(random, profile)
-    while high / low > 1 + 1e-11:
-        middle = np.sqrt(low * high)
-        low, high = (middle, high) if _count(profile, middle) == count else (low, middle)
     return high * (1 + _near(random))
 
 
 def _count(profile: Waves, load: float) -> int:
-    found = run(Variant("patches", "patches", {"tolerance": 1e-8}), profile, np.array([load]))
+    found = run(Variant("patches", {"tolerance": 1e-8}), profile, np.array([load]))
     return int(found.others["patch_count"][0])
 
 
@@ -150,7 +170,7 @@ def _near(random: Generator) -> Array:
     return np.asarray(random.choice([-1, 1], LOADS) * 10 ** random.uniform(-10, -1, LOADS))
 
 
-# Settings.
+# Settings of boundary elements.
 
 
 def points(random: Generator, profile: Waves) -> Settings:
@@ -164,68 +184,3 @@ def tolerances(random: Generator, profile: Waves) -> Settings:
         tolerance = 10 ** random.uniform(-6, -1)
         if bem.points_of(profile, tolerance) <= MAX_POINTS:
             return {"tolerance": tolerance}
-
-
-FAMILIES: dict[str, tuple[Callable[[Generator], Any], ...]] = {
-    "usual": (usual,),
-    "rational gamma": (rational,),
-    "gamma 20 to 1000": (coarse,),
-    "m to 7": (long,),
-    "D near 1 and 2": (extreme_dimension,),
-    "smooth": (power_law, shape),
-}
-PHASES = any_phases, near_symmetry, aligned
-PRESSURES = any_loads, near_events, near_full_contact
-SETTINGS = points, tolerances
-
-
-def draw_one(random: Generator, family: str) -> Draw:
-    """Return a new series of a family, with its loads and variants."""
-    profile = _profile(random, _choice(random, FAMILIES[family]), _choice(random, PHASES))
-    loads = _pressures(random, profile, _choice(random, PRESSURES))
-    return Draw(family, profile, loads, _variants(random, _choice(random, SETTINGS)(random, profile)))
-
-
-def _choice(random: Generator, kinds: Sequence[Kind]) -> Kind:
-    return kinds[int(random.integers(len(kinds)))]
-
-
-def _profile(random: Generator, series: Callable[..., Any], phases: Callable[..., Array]) -> Waves:
-    while True:
-        if isinstance(drawn := series(random), Waves):
-            return drawn
-        D, gamma, m = drawn
-        if gamma.numerator ** (m - 1) <= MAX_WAVES:
-            break
-    waves = np.array(Profile(D, gamma, m).waves_per_period, float)
-    return Profile(D, gamma, m, tuple(phases(random, waves).tolist()))
-
-
-def _pressures(random: Generator, profile: Waves, loads: Callable[[Generator, Waves], Array]) -> Array:
-    """Return increasing loads; any loads if the search for events fails."""
-    try:
-        return np.unique(loads(random, profile))
-    except ConvergenceError as error:
-        click.echo(f"events of {profile!r}: {error}", err=True)
-        return np.unique(any_loads(random, profile))
-
-
-def _variants(random: Generator, settings: Settings) -> tuple[Variant, ...]:
-    """Return boundary elements on one grid without and with their staircase, and contact patches.
-
-    Their tolerance is 1e-10 to 1e-2 g_0; below, the reference is not finer.
-    """
-    tolerance = {"tolerance": 10 ** random.uniform(-10, -2)}
-    kept = dict(settings) | {"staircase": "kept"}
-    known = ("bem", settings), ("bem", kept), ("patches", tolerance)
-    return tuple(Variant(name, *each) for name, each in zip(VARIANTS, known, strict=True))
-
-
-def draws(names: Iterable[str], random: Generator, count: int) -> Iterator[Draw]:
-    """Yield draws of the families in turn, with at least this number of loads."""
-    for name in cycle(names):
-        if count <= 0:
-            return
-        fresh = draw_one(random, name)
-        count -= fresh.loads.size
-        yield fresh

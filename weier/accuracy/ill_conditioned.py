@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from weier.accuracy.runner import Variant, by_default
+from weier.accuracy.runner import Variant
 from weier.api.fields import events
 from weier.kernels.arrays import Array
 from weier.methods import bem, registry
@@ -28,8 +26,6 @@ class Extreme(NamedTuple):
     variants: tuple[Variant, ...]
 
 
-DISTANCES = (1e-12, 1e-8, 1e-4)  # Relative distances of loads from an event.
-
 # Loads over the whole range of floats, and usual loads.
 SWEEP = 10.0 ** np.array(
     [*range(-300, -20, 50), -30, -20, *range(-15, -3, 2), *np.arange(-3, 1.5, 0.5), 2, 6, 12, *range(50, 301, 50)]
@@ -44,8 +40,7 @@ def extremes() -> Iterator[Extreme]:
         loads = chosen(profile) if callable(chosen) else chosen
         yield Extreme(name, profile, loads, variants(profile, loads))
     for name, profile, points in GRIDS:
-        variant = Variant(bem.METHOD.name, bem.METHOD.name, {"points_per_wave": points})
-        yield Extreme(name, profile, USUAL, (variant,))
+        yield Extreme(name, profile, USUAL, (Variant(bem.METHOD.name, {"points_per_wave": points}),))
 
 
 def neighbours(*loads: float) -> Array:
@@ -55,16 +50,10 @@ def neighbours(*loads: float) -> Array:
     return np.unique([np.nextafter(below, 0), below, loads, above, np.nextafter(above, np.inf)])
 
 
-def around(loads: ArrayLike) -> Array:
-    """Return each load and loads slightly below and above it."""
-    steps = np.array([*(-distance for distance in DISTANCES), 0.0, *DISTANCES])
-    return np.unique(np.multiply.outer(np.asarray(loads, float), 1 + steps))
-
-
 def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
     """Return all methods that give compliance and resistance of the profile in affordable time."""
     methods = (method for method in registry.METHODS if method.stiffness)
-    return tuple(by_default(method.name) for method in methods if _is_affordable(method, profile, loads))
+    return tuple(Variant(method.name) for method in methods if _is_affordable(method, profile, loads))
 
 
 def _is_affordable(method: Method, profile: Profile, loads: Array) -> bool:
@@ -81,16 +70,10 @@ def _is_affordable(method: Method, profile: Profile, loads: Array) -> bool:
     return method.seconds(profile, loads) + load_by_load <= 60.0
 
 
-def around_events(profile: Profile, apart: float = 0.0) -> Array:
-    """Return the loads around the births and merges of contacts, which `weier.api.fields.events` finds.
-
-    The events of symmetric profiles, where contacts are born in pairs, are computed with the last phase shifted by
-    `apart`, in rad.
-    """
-    phases = *profile.phase[:-1], profile.phase[-1] + apart
-    broken = Profile(profile.D, profile.gamma, profile.m, phases)
-    # Every third birth or merger is examined, which bounds the time.
-    return around(events(broken, 1e-3, 100.0)["mean_pressure"].values[::3])
+def around_events(profile: Profile) -> Array:
+    """Return loads at and around every third birth or merger of contacts, which bounds the time."""
+    births = events(profile, 1e-3, 100.0)["mean_pressure"].values[::3]
+    return np.unique(np.multiply.outer(births, 1 + np.array([-1e-4, -1e-8, -1e-12, 0, 1e-12, 1e-8, 1e-4])))
 
 
 def _end_of_range(text: str, D: float, gamma: str) -> Iterator[tuple[str, Profile, Array]]:
@@ -117,8 +100,8 @@ EXTREMES: tuple[tuple[str, Profile, Array | Callable[[Profile], Array]], ...] = 
     ("m = 1000, loads 1e-300 to 1e300", Profile(1.5, "2", 1000), SWEEP),
     ("m = 1000, one load", Profile(1.5, "2", 1000), ONE_LOAD),
     ("about to merge, just merged", Profile(1.5, "3", 3, [0.0, 1.0, 2.0]), around_events),
-    ("phases 0, births in pairs", Profile(1.5, "3", 3, [0.0, 0.0, 0.0]), partial(around_events, apart=1e-3)),
-    ("phases pi, births in pairs", Profile(1.5, "3", 3, [0.0, math.pi, math.pi]), partial(around_events, apart=1e-3)),
+    ("phases 0, births in pairs", Profile(1.5, "3", 3, [0.0, 0.0, 0.0]), around_events),
+    ("phases pi, births in pairs", Profile(1.5, "3", 3, [0.0, math.pi, math.pi]), around_events),
     ("two crests of one height", Profile(1.25, "2", 2, [0.0, math.pi]), SWEEP),
     ("two crests, 1e-15 apart in height", Profile(1.25, "2", 2, [0.0, math.pi + 1e-15]), SWEEP),
     ("a wave of 1e-3 on one of 1", Profile(1 + 1e-9, "1000", 2, [0.0, 1.0]), USUAL),

@@ -18,31 +18,25 @@ from weier.api.task import CurveTask
 from weier.digests import PACKAGE
 from weier.kernels.arrays import Array
 from weier.methods.curve import QUANTITIES
-from weier.methods.errors import ConvergenceError, NotApplicableError
-from weier.methods.method import Method, Settings
+from weier.methods.errors import ConvergenceError
+from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.surface.waves import Waves
 
 MAX_POINTS = 100_000  # Points per period of boundary elements; a load then takes tens of milliseconds.
 MAX_REPEATED = 0.5  # seconds; longer runs average over disturbances and are not repeated
-# Errors that are results of a run, including faults of a method; a time limit is not one.
-FAULTS = (
-    *(ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError),
-    *(NameError, RuntimeError, TypeError, ValueError),
-)
 
 
 class Variant(NamedTuple):
-    """One competitor in a comparison: a name, a method and its settings."""
+    """One competitor in a comparison: a method and its settings."""
 
-    name: str
     method: str
-    settings: Settings
+    settings: Mapping[str, Any] = {}
 
-
-def by_default(method: str) -> Variant:
-    """Return a method with its default settings."""
-    return Variant(method, method, {})
+    @property
+    def name(self) -> str:
+        """The method and the values of its settings."""
+        return " ".join(map(str, (self.method, *self.settings.values())))
 
 
 class Outcome(IntEnum):
@@ -97,17 +91,20 @@ def attempt(variant: Variant, profile: Waves, loads: Array) -> Run:
         warnings.simplefilter("always")
         try:
             found = run(variant, profile, loads)
-        except FAULTS as error:
-            none = np.full((2, loads.size), np.nan)
+        except TimeoutError:
+            raise
+        except Exception as error:  # a fault of a method is a result, too
+            message, none = f"{type(error).__name__}: {error}", np.full((2, loads.size), np.nan)
             outcome = Outcome.clear_error if is_clear(error, find_method(variant.method)) else Outcome.unclear_error
-            found = Run(none, none, np.full(loads.size, outcome, np.int8), message=_description(error))
+            found = Run(none, none, np.full(loads.size, outcome, np.int8), message=message)
             if loads.size > 1:
                 parts = [attempt(variant, profile, loads[i : i + 1]) for i in range(loads.size)]
-                values = np.concatenate([part.values for part in parts], axis=1)
-                stated = np.concatenate([part.stated for part in parts], axis=1)
-                outcomes = np.concatenate([part.outcome for part in parts])
+                values, stated, outcomes = (
+                    np.concatenate([getattr(part, name) for part in parts], axis=-1)
+                    for name in ("values", "stated", "outcome")
+                )
                 warned = sum((part.warned for part in parts), ())
-                found = Run(values, stated, outcomes, message=found.message, warned=warned)
+                found = Run(values, stated, outcomes, message=message, warned=warned)
     warned = (*(str(warning.message) for warning in caught), *found.warned)
     return found._replace(warned=tuple(dict.fromkeys(warned)))
 
@@ -120,9 +117,3 @@ def is_clear(error: Exception, method: Method) -> bool:
     deliberate = own and str(last.line).startswith("raise") and isinstance(error, ValueError | ConvergenceError)
     # A message that contains them does not help the user.
     return deliberate and bool(text) and not re.search(r"\b(nan|inf of|of inf)\b", text)
-
-
-def _description(error: Exception) -> str:
-    """Return the kind of the error and its sentence."""
-    kind = "ValueError" if isinstance(error, NotApplicableError) else type(error).__name__
-    return f"{kind}: {error}"
