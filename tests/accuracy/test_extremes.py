@@ -1,5 +1,6 @@
 """The extremes: what is examined, the checks of a curve, and the page with its faults."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -61,6 +62,7 @@ def test_a_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
 
     def overconfident(*arguments, **settings):
         solved = auto.METHOD.solve(*arguments, **settings)
+        warnings.warn("divide by zero", RuntimeWarning, stacklevel=1)
         return replace(solved, resistance_error=solved.resistance_error / 100)
 
     series = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -68,7 +70,7 @@ def test_a_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
     assert extremes.examine(some)[0].faults == []
     changed = replace(auto.METHOD, solve=overconfident)
     monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[:-1], changed))
-    assert extremes.examine(some)[0].faults == ["not within stated error"]
+    assert extremes.examine(some)[0].faults == ["not within stated error", "not without warning"]
 
 
 def test_a_method_that_is_only_listed_is_examined(monkeypatch):
@@ -106,6 +108,7 @@ def passed(h, slope, h_error=0.0, R_error=0.0):
         (FALLING, R, set()),
         (DENTED, R, {"monotone"}),
         (H, R * 1.3, {"monotone"}),
+        (H, R * 0.7, {"monotone"}),
         (H, R + 1, {"monotone"}),
     ],
 )

@@ -27,6 +27,7 @@ def test_the_exact_contact_is_that_of_independent_values(known):
     found = contact_reference(known.profile, tuple(known.mean_pressure.tolist()))
     assert np.array(found.values[0], float) == pytest.approx(known.compliance, rel=1e-10, abs=1e-10)
     assert np.array(found.values[1], float) == pytest.approx(known.resistance, rel=1e-8, abs=1e-8)
+    assert np.all(found.uncertainty > 0)
 
 
 def test_first_touch_meets_what_the_patches_of_the_shifted_profile_give():

@@ -46,6 +46,8 @@ def test_errors_are_those_of_independent_profiles(measured):
     for name in ("archard", "demelio", "layer 24"):  # less accurate than the grid of the paper, with its staircase
         assert np.isnan(measured[TWO, name].stated).all()
         assert measured[TWO, name].error[0].max() > 10 * measured[TWO, "bem kept 12"].error[0].max()
+    demelio, R = (find_method(name).solve(TWO, LOADS).resistance for name in ("demelio", "patches"))
+    assert measured[TWO, "demelio"].error[1] == pytest.approx(np.abs(demelio - R) / np.maximum(R, 1), abs=1e-9)
     # The reference is of the same profile shifted along x: no variant is right by construction.
     exact = measured[TWO, "patches 1e-11"].error
     assert 0 < exact[0].max() < 1e-11
