@@ -8,6 +8,8 @@ from weier import Profile
 from weier.surface.crests import crest_heights, find_crests, highest_crest, sample
 from weier.surface.expansions import expand, phase_angle
 
+EPS = np.finfo(float).eps
+
 
 def heights_and_tensions(profile):
     """The heights, whose waves shrink, and the tensions of full contact, whose waves grow."""
@@ -18,23 +20,39 @@ def heights_and_tensions(profile):
 @pytest.mark.parametrize(
     ("D", "gamma", "m"),
     [
-        *((D, *of) for D in (1.0001, 1.5, 1.9999) for of in ((2, 10), (3, 7), ("5/2", 5))),
-        (1.9999, 5, 8),
+        *((D, *of) for D in (1.0001, 1.5, 1.9999) for of in ((2, 10), (3, 7), ("5/2", 5), ("6/5", 5))),
+        (1.9999, "5/3", 1),
     ],
 )
 def test_the_highest_crest_is_that_of_far_denser_samples(D, gamma, m):
-    """Which are lower by z'' dx^2/8 at most; to 78 125 waves, the most that can be resolved for gamma = 5."""
+    """Which are lower by z'' dx^2/8 at most, and the highest of all that Newton's method finds on polynomials."""
     for series in heights_and_tensions(Profile(D, gamma, m, np.random.default_rng(m).uniform(0, 2 * np.pi, m))):
         x, z = highest_crest(*series)
         amplitude, waves, phase, period = series
-        points = (40 if m < 8 else 20) * waves[-1]
+        points = 40 * waves[-1]
         denser = sample(amplitude, waves, phase, points)
         dx = 2 * np.pi / points
         assert -1e-14 * np.abs(amplitude).sum() <= z - denser.max()
         assert z - denser.max() <= np.abs(amplitude) @ (dx * np.array(waves, float)) ** 2 / 8
+        all_crests = find_crests(amplitude, waves, expand(amplitude, waves, phase))
+        assert z == pytest.approx(all_crests.expansion[:, 0].max(), rel=0, abs=8 * EPS * np.abs(amplitude).sum())
         assert 0 <= x < period
         at = amplitude @ np.cos(2 * np.pi * np.array([k * x / period % 1 for k in waves]) + phase)
         assert at == pytest.approx(z, abs=1e-9 * np.abs(amplitude).sum())
+        slope = np.sin(2 * np.pi * np.array([k * x / period % 1 for k in waves]) + phase) * waves * amplitude
+        assert abs(slope.sum()) < 1e-9 * np.abs(amplitude) @ waves
+
+
+@pytest.mark.parametrize("terms", [32, 33, 2000])
+def test_the_highest_crest_of_many_waves_and_of_equal_ones(terms):
+    """Among them a comb that repeats five times, whose highest crest is each of five."""
+    waves, random = np.arange(1, terms + 1), np.random.default_rng(terms)
+    for k, phase in ((waves, random.uniform(0, 2 * np.pi, terms)), (5 * waves, np.zeros(terms))):
+        amplitude = waves**-0.7
+        x, z = highest_crest(amplitude, k.tolist(), phase, 1)
+        crests = find_crests(amplitude, k.tolist(), expand(amplitude, k.tolist(), phase))
+        assert z == pytest.approx(crests.expansion[:, 0].max(), rel=0, abs=8 * EPS * amplitude.sum())
+        assert amplitude @ np.cos(2 * np.pi * k * x + phase) == pytest.approx(z, abs=1e-9)
 
 
 @pytest.mark.parametrize(("gamma", "m"), [(np.pi, 4), (2.5, 300), (2, 40), (1000, 6)])

@@ -3,13 +3,18 @@
 import numpy as np
 import pytest
 
-from weier.surface.expansions import ORDER, count_nodes, derivatives, expand, expand_at, move, values
+from weier.surface.expansions import ORDER, count_nodes, derivatives, expand, move
 
 ROUNDING = 8 * np.finfo(float).eps  # of a transform, and of a polynomial
 
 FINEST = (np.ones(1), [256], np.full(1, 0.7))  # as few nodes a wave as there may be: the largest remainder
 ROUGH = (np.arange(1, 301) ** -1.3, list(range(1, 301)), np.random.default_rng(1).uniform(0, 2 * np.pi, 300))
 SERIES = (5.0 ** (-0.75 * np.arange(5)), [1, 5, 25, 125, 625], np.arange(5.0))
+
+
+def values(expansion, t):
+    """The polynomial of each row."""
+    return np.sum(expansion * t[:, None] ** np.arange(ORDER + 1), axis=1)
 
 
 def sums(amplitude, waves, phase, node, t, nodes):
@@ -33,13 +38,6 @@ def test_values_and_derivatives_as_far_as_one_step(series):
     kappa = 2 * np.pi * np.array(waves) / nodes
     for order in range(3):
         np.testing.assert_allclose(found[order], exact[order], atol=ROUNDING * amplitude @ kappa**order, rtol=0)
-
-
-def test_some_rows_by_direct_sums_as_all_by_a_transform():
-    table = expand(*ROUGH)
-    node = np.array([0, 7, len(table) - 1])
-    rows = expand_at(*ROUGH, node, len(table))
-    np.testing.assert_allclose(rows, table[node], atol=ROUNDING * ROUGH[0].sum(), rtol=0)
 
 
 def test_a_moved_polynomial_is_the_same():

@@ -17,10 +17,8 @@ from weier.surface.expansions import (
     ORDER,
     Expansions,
     derivatives,
-    expand_at,
     move,
     phase_angle,
-    values,
 )
 
 SAMPLES_PER_WAVE = 16  # samples per finest wave that resolve every crest
@@ -32,6 +30,8 @@ MAX_NEWTON_STEPS = 40
 # subdivisions of the interval around a sampled maximum that may hold several crests; odd, for symmetry
 SUBDIVISIONS = 31
 MIN_SEPARATION = 1e-5  # distance of crests, in finest waves; closer crests are equal to rounding
+# middles of the 33 parts of an interval of length 1, with its own middle first: equal heights leave a crest at a node
+PARTS = np.array(sorted(range(-16, 17), key=abs)) / 33
 MAX_SAMPLED_WAVES = 10**6  # finest waves whose samples take 128 MB
 
 
@@ -138,25 +138,40 @@ def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> 
 def highest_crest(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
 ) -> tuple[float, float]:
-    """Return position and height of the highest point of a series: the highest of the sampled maxima that may be it.
+    """Return position and height of the highest point of a series, by branch and bound.
 
-    A crest is at most half a step from the nearest sample, and so at most an eighth of the largest curvature, in
-    steps, higher. ValueError is raised if the samples would not fit into memory.
+    A crest within w of a point is higher by at most w^2/2 times the largest curvature. Parts of the period that may
+    contain the highest crest are subdivided until this is rounding. ValueError is raised if the first samples would
+    not fit into memory.
     """
     if waves_per_period[-1] > MAX_SAMPLED_WAVES:
         raise ValueError(
             f"the highest crest is looked for among at most {MAX_SAMPLED_WAVES} waves in a period, got "
             f"{waves_per_period[-1]:.2g}: take fewer terms, or a gamma of smaller numbers"
         )
-    points = SAMPLES_PER_WAVE * waves_per_period[-1]
-    z = sample(amplitude, waves_per_period, phase, points)
-    angle, top = 2 * np.pi / points * np.array(waves_per_period, float), _sampled_tops(z)
-    top = top[z[top] >= z.max() - np.abs(amplitude) @ angle**2 / 8]
-    expansion = expand_at(amplitude, waves_per_period, phase, top, points)
-    row, t = _crests_nearby(expansion, np.zeros(top.size), 1.0, float(np.abs(amplitude) @ angle), angle[-1])
-    height = values(expansion[row], t)
-    highest = int(np.argmax(height))
-    return float((top[row] + t)[highest] * (period / points)), float(height[highest])
+    waves, points = np.array(waves_per_period), SAMPLES_PER_WAVE * waves_per_period[-1]
+    angle, size = 2 * np.pi / points * waves, np.abs(amplitude)
+    spectrum = np.zeros(points // 2 + 1, complex)
+    spectrum[waves] = 0.5 * points * amplitude * np.exp(1j * phase)
+    z, half_width = np.fft.irfft(spectrum, points), 0.5
+    curvature, rounding = float(size @ angle**2), float(np.finfo(float).eps * size.sum())
+    if waves.size > 32:  # the bound of Ehlich and Zeller by samples, which is lower for many waves
+        spectrum[waves] *= angle**2
+        curvature = float(np.abs(np.fft.irfft(spectrum, points)).max() / np.cos(np.pi / SAMPLES_PER_WAVE))
+    (node,) = (z >= z.max() - curvature * half_width**2 / 2 - rounding).nonzero()
+    theta, t = phase_angle(waves, node[:, None], points) + phase, np.zeros(node.size)
+    while curvature * half_width**2 / 2 > rounding:
+        part_of = t[:, None] + 2 * half_width * PARTS
+        half_width /= PARTS.size
+        z = np.cos(theta[:, None] + part_of[..., None] * angle) @ amplitude
+        row, part = (z >= z.max() - curvature * half_width**2 / 2 - rounding).nonzero()
+        node, theta, t, z = node[row], theta[row], part_of[row, part], z[row, part]
+    highest = np.argmax(z)
+    node, theta, t = node[highest], theta[highest], t[highest]
+    at = theta + t * angle
+    if (downward := np.cos(at) @ (amplitude * angle**2)) > rounding:  # Newton's step for the position
+        t -= np.sin(at) @ (amplitude * angle) / downward
+    return float((node + t) % points * (period / points)), float(np.cos(theta + t * angle) @ amplitude)
 
 
 def crest_heights(

@@ -29,7 +29,7 @@ def count_nodes(waves: int) -> int:
     return 1 << (NODES_PER_WAVE * waves - 1).bit_length()
 
 
-def phase_angle(waves: int, node: Indices, nodes: int) -> Array:
+def phase_angle(waves: int | Indices, node: Indices, nodes: int) -> Array:
     """Return the angle 2 pi k x/L of a wave at nodes, reduced in integers, so that no digit is lost to fine waves."""
     return np.asarray((waves * node % nodes) * (2 * np.pi / nodes))
 
@@ -46,25 +46,12 @@ def expand(amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> E
     return np.asarray(np.fft.irfft(spectrum, nodes, axis=0))
 
 
-def expand_at(
-    amplitude: Array, waves_per_period: Sequence[int], phase: Array, node: Indices, nodes: int
-) -> Expansions:
-    """Return the expansions about some nodes, by direct sums."""
-    angle = np.stack([phase_angle(k, node, nodes) for k in waves_per_period], axis=-1)
-    return np.asarray((np.exp(1j * (angle + phase)) @ _wave_coefficients(amplitude, waves_per_period, nodes)).real)
-
-
 def _wave_coefficients(amplitude: Array, waves_per_period: Sequence[int], nodes: int) -> NDArray[np.complex128]:
     """Return the coefficients a (i theta)^j/j! of each wave, shape (terms, ORDER + 1)."""
     factor = np.empty((len(waves_per_period), ORDER + 1), complex)
     factor[:, 0] = amplitude
     factor[:, 1:] = (2j * np.pi / nodes) * np.array(waves_per_period, float)[:, None] / DEGREE[1:]
     return np.asarray(np.multiply.accumulate(factor, axis=1))
-
-
-def values(expansion: Expansions, t: Array) -> Array:
-    """Return the polynomial of each row at t, shape (rows,)."""
-    return np.asarray(np.einsum("ij,ij->i", expansion, np.vander(t, ORDER + 1, increasing=True)))
 
 
 def derivatives(expansion: Expansions, t: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -190,10 +190,9 @@ class Profile(Waves):
 
         As of `Waves`: sums of squared amplitudes times powers of the wavenumber, which are geometric.
         """
-        gamma = float(self.gamma)
         with np.errstate(over="ignore"):
-            sums = [float(series.leading_amplitude(self.m, 2 * (self.D + order) - 2, gamma)) for order in range(3)]
-        height, slope, curvature = ((2 * math.pi) ** order * math.sqrt(sums[order] / 2) for order in range(3))
+            sums = series.leading_amplitude(self.m, 2 * (self.D + np.arange(3)) - 2, float(self.gamma))
+        height, slope, curvature = ((2 * np.pi) ** np.arange(3) * np.sqrt(sums / 2)).tolist()
         return height, slope, curvature
 
     @property
