@@ -1,11 +1,10 @@
 """Fast solver: active set and preconditioned conjugate gradients on nested grids, products by FFT.
 
-docs/bem.md, "The discrete problem", has the equations; docs/numerics.md, "Fast boundary elements", the measured
-choices. The deformed surface z - A p touches the rigid plane at height H: z - A p = H, p >= 0 in contact; z - A p <=
-H, p = 0 outside; mean(p) = load.
+docs/bem.md has the equations ("The discrete problem") and the rules of the iteration ("The iteration");
+docs/numerics.md, "Fast boundary elements", measured choices. The deformed surface z - A p touches the rigid plane at
+height H: z - A p = H, p >= 0 in contact; z - A p <= H, p = 0 outside; mean(p) = load.
 
-On each grid `_iterate` repeats steps of conjugate gradients (`_take_step`) and corrections of the contact
-(`_correct_contact`) until the residual is small.
+On each grid `_iterate` takes steps of conjugate gradients and corrects the contact until the residual is small.
 """
 
 from __future__ import annotations
@@ -24,15 +23,12 @@ from weier.surface.waves import Waves
 TANGENT_TOLERANCE = 1e-4  # variation of A q in contact over R; the relative error of R is its square
 MIN_RESISTANCE = 1e-6  # g_0/p_0*: smallest R in that ratio; rounding dominates a smaller R, near full contact
 MAX_STEPS = 1000  # steps of conjugate gradients per grid, a safeguard
-# ratio of violations to the gap in contact at which the active set is first corrected; it grows by 1 with each
-# correction. Its cost is in `python -m benchmarks tuning`.
-FIRST_PATIENCE = 3
+FIRST_PATIENCE = 3  # violation over the gap in contact at the first correction: `python -m benchmarks tuning`
 WORK_PER_CALL = 2**22  # nodes in steps after which `_iterate` returns to Python, so that Ctrl-C works
 
-# Progress of the iteration: steps of conjugate gradients and corrections of the contact on this grid; number of edges
-# of contact in the array `edge`; pairs of FFTs times their nodes on all grids; load, in p_0*; energy of the residual
-# before the last step, 0 if the next one does not use the last direction; residual, plane and resistance of the
-# solution so far; whether the pressure has changed since the operator was applied afresh
+# Progress: steps and corrections of the contact on this grid; edges in `GridState.edge`; nodes of all pairs of FFTs;
+# load, in p_0*; energy before the last step, 0 if the next step does not use the last direction; residual, plane and
+# resistance so far; whether the pressure has changed since the operator was applied afresh
 PROGRESS = record_type(
     ("steps corrections edges work", np.int64, ()),
     ("load energy residual plane resistance", np.float64, ()),
@@ -61,13 +57,6 @@ class GridState(NamedTuple):
     contact: Flags
     edge: Indices
     progress: Records
-
-
-def make_grid_state(points: int, progress: Records) -> GridState:
-    """Return the arrays of a grid."""
-    values, spectrum = np.zeros((4, points)), np.zeros(points // 2 + 1, complex)
-    contact, edge = np.zeros(points, np.bool_), np.zeros(points + 2, np.int64)
-    return GridState(values[0], values[1], values[2], values[3], spectrum, contact, edge, progress)
 
 
 @kernel
@@ -107,30 +96,28 @@ def dot(a: Array, b: Array) -> float:
 @kernel
 def _apply_afresh(grid: Grid, state: GridState) -> None:
     """Clip tension, rescale the pressure to the load, and apply the operator to it."""
-    own, total, points = state.progress[0], 0.0, state.pressure.size
-    for i in range(points):
-        state.pressure[i] = max(state.pressure[i], 0.0)
-        total += state.pressure[i]
-    scale = own.load * points / total
-    for i in range(points):
-        state.pressure[i] *= scale
-    _multiply(state.pressure, grid.influence, state)
-    for i in range(points):
+    own, pressure, total = state.progress[0], state.pressure, 0.0
+    for i in range(pressure.size):
+        pressure[i] = max(pressure[i], 0.0)
+        total += pressure[i]
+    scale = own.load * pressure.size / total
+    for i in range(pressure.size):
+        pressure[i] *= scale
+    _multiply(pressure, grid.influence, state)
+    for i in range(pressure.size):
         state.deformed[i], state.direction[i] = grid.height[i] - state.vector[i], 0.0
     own.moved, own.energy = False, 0.0
 
 
 @kernel
 def violations(grid: Grid, state: GridState) -> tuple[float, float]:
-    """Set the vector to the residual z - A p - H in contact, 0 elsewhere; return two violations, as lengths in g_0.
+    """Set the vector to z - A p - H in contact, 0 elsewhere; return its largest size and the largest violation.
 
-    These are the largest |gap| in contact, and the largest penetration outside or tension inside, which counts as the
-    displacement at its own node.
+    Violations are penetration outside, and tension inside as the displacement at its own node, in g_0.
     """
-    plane, contact_gap, violation, total = state.progress[0].plane, 0.0, 0.0, 0.0
+    plane, contact_gap, violation = state.progress[0].plane, 0.0, 0.0
     for i in range(state.pressure.size):
         above = state.deformed[i] - plane
-        total += above + state.pressure[i]
         if state.contact[i]:
             contact_gap = max(contact_gap, abs(above))
             violation = max(violation, -state.pressure[i] * grid.self_influence)
@@ -138,22 +125,18 @@ def violations(grid: Grid, state: GridState) -> tuple[float, float]:
         else:
             violation = max(violation, above)
             state.vector[i] = 0.0
-    if not abs(total) < np.inf:  # max() would ignore a NaN.
-        return np.inf, np.inf
     return contact_gap, violation
 
 
 @kernel
 def _correct_contact(state: GridState) -> bool:
     """Release nodes in tension, add those that penetrate; return whether any was released, which changes p."""
-    own, released = state.progress[0], False
-    for i in range(state.pressure.size):
-        if state.contact[i]:
-            state.contact[i] = state.pressure[i] >= 0
-            released |= not state.contact[i]
-        else:
-            state.contact[i] = state.deformed[i] > own.plane
-    own.edges, own.energy = find_edges(state.contact, state.edge).size, 0.0
+    own, contact, released = state.progress[0], state.contact, False
+    for i in range(contact.size):
+        is_in_tension = contact[i] and state.pressure[i] < 0
+        contact[i] = not is_in_tension and (contact[i] or state.deformed[i] > own.plane)
+        released |= is_in_tension
+    own.edges, own.energy = find_edges(contact, state.edge).size, 0.0
     own.corrections += 1
     return released
 
@@ -161,11 +144,7 @@ def _correct_contact(state: GridState) -> bool:
 @in_any_order
 @kernel
 def _take_step(grid: Grid, state: GridState) -> None:
-    """Take a step of preconditioned conjugate gradients at constant load on the active set.
-
-    The preconditioner M is applied to the residual r, the vector, continued into the gaps. The energy is r.M^-1 r.
-    The load is preserved by subtracting the mean in contact from M^-1 r.
-    """
+    """Take a step of conjugate gradients, preconditioned at constant load: docs/bem.md, "The iteration"."""
     own, contact, vector, direction = state.progress[0], state.contact, state.vector, state.direction
     edge, plane, energy = state.edge[: own.edges], own.plane, 0.0
     extrapolate_into_gap(vector, edge, contact)
@@ -187,14 +166,20 @@ def _take_step(grid: Grid, state: GridState) -> None:
 
 
 @kernel
-def _begin(coarse: Array, grid: Grid, state: GridState) -> None:
-    """Carry the pressure of a coarser grid to this one, add the waves that join, and set the contact."""
-    refine(coarse, state.pressure)
-    for wave in range(grid.cycle.size):
-        add_wave(wave, grid, state.pressure, state.vector)
-    for i in range(state.pressure.size):
-        state.contact[i] = state.pressure[i] > 0
-    state.progress[0].edges = find_edges(state.contact, state.edge).size
+def _begin(is_tangent: bool, coarse: Array, grid: Grid, state: GridState) -> None:
+    """Start from the pressure of flat punches, or of the coarser grid and the waves that join on this one."""
+    own = state.progress[0]
+    if is_tangent:
+        own.load = 1.0
+        punch_shape(state.edge[: own.edges], state.contact, state.pressure)
+    else:
+        refine(coarse, state.pressure)
+        for wave in range(grid.cycle.size):
+            add_wave(wave, grid, state.pressure, state.vector)
+        state.contact[:] = state.pressure > 0
+        own.edges = find_edges(state.contact, state.edge).size
+    own.corrections = 0
+    _apply_afresh(grid, state)
 
 
 @kernel
@@ -202,22 +187,15 @@ def _iterate(max_steps: int, flatness: float, coarse: Array, grid: Grid, state: 
     """Iterate for a number of steps; return whether the solution is found or `MAX_STEPS` are used up.
 
     It is found if the residual is small, on the finest grid on a freshly applied operator, with the pressure free of
-    tension and scaled to the load. The contact is corrected when its violations exceed the error on it by a factor
-    that grows with each correction. A tangent pressure q, on a flat surface, of resistance q.A q/N, is found if A q
-    is constant in contact.
+    tension and scaled to the load. A tangent pressure q, on a flat surface, of resistance q.A q/N, is found if A q is
+    constant in contact.
 
     flatness : for tangent pressures, the accepted variation of A q in contact over R; otherwise 0
     coarse : pressure of the coarser grid
     """
     own, is_tangent = state.progress[0], flatness > 0
     if own.steps == 0:
-        own.corrections = 0
-        if is_tangent:
-            own.load = 1.0
-            punch_shape(state.edge[: own.edges], state.contact, state.pressure)
-        else:
-            _begin(coarse, grid, state)
-        _apply_afresh(grid, state)
+        _begin(is_tangent, coarse, grid, state)
     for _ in range(min(max_steps, MAX_STEPS - own.steps)):
         own.steps += 1
         own.plane = mean_in_contact(state.deformed, state.contact)
@@ -226,12 +204,11 @@ def _iterate(max_steps: int, flatness: float, coarse: Array, grid: Grid, state: 
             own.resistance = -dot(state.pressure, state.deformed) / state.pressure.size
             solved = contact_gap <= flatness * max(own.resistance, MIN_RESISTANCE)
         else:
-            own.residual = max(contact_gap, violation)
+            own.residual = max(contact_gap, violation) if abs(own.plane) < np.inf else np.inf  # max() ignores a NaN
             solved = own.residual <= grid.max_residual
         if solved and (is_tangent or grid.is_coarse or not own.moved):
             return True
-        is_wrong = solved or violation > (FIRST_PATIENCE + own.corrections) * contact_gap
-        if is_tangent or not is_wrong:
+        if is_tangent or (not solved and violation <= (FIRST_PATIENCE + own.corrections) * contact_gap):
             _take_step(grid, state)
         elif _correct_contact(state) or solved:
             _apply_afresh(grid, state)
@@ -243,19 +220,18 @@ class NestedSolver:
 
     def __init__(self, profile: Waves, points: int, max_residual: float) -> None:
         """Make the grids and their arrays."""
-        self.grids = nested_grids(profile, points, max_residual)
-        self.grid, self._progress = self.grids[-1], np.zeros(1, PROGRESS)
-        self._states = [make_grid_state(grid.height.size, self._progress) for grid in self.grids]
+        self._grids, self._progress = nested_grids(profile, points, max_residual), np.zeros(1, PROGRESS)
+        self.grid, self._states = self._grids[-1], list[GridState]()
+        for n in (grid.height.size for grid in self._grids):
+            others = np.zeros(n // 2 + 1, complex), np.zeros(n, np.bool_), np.zeros(n + 2, np.int64), self._progress
+            self._states.append(GridState._make([*np.zeros((4, n)), *others]))
         self._flat = self.grid._replace(height=np.zeros(points))  # has the flat surface of the tangent problem
 
     def solve_discrete(self, load: float, with_tangent: bool, flatness: float = TANGENT_TOLERANCE) -> NodalSolution:
-        """Return the solution under a load; `with_tangent`, also its derivative, at a third more cost.
-
-        The next solution overwrites its arrays, except pressure and gap.
-        """
+        """Return the solution under a load; the next one overwrites its arrays, except pressure and gap."""
         progress, coarse = self._progress, np.full(1, load)
         progress["load"], progress["work"], progress["resistance"] = load, 0, np.nan
-        for grid, state in zip(self.grids, self._states, strict=True):
+        for grid, state in zip(self._grids, self._states, strict=True):
             self._run(0.0, coarse, grid, state)
             coarse = state.pressure
         plane, residual, pressure = progress["plane"].item(), progress["residual"].item(), state.pressure.copy()
@@ -264,11 +240,9 @@ class NestedSolver:
             self._run(flatness, coarse, self._flat, state)
         R = np.inf if progress["steps"].item() == MAX_STEPS else progress["resistance"].item()
         work = progress["work"].item() / self.grid.height.size  # FFTs of coarser grids count by their size
-        fields = pressure, gap, state.pressure, -state.deformed, state.contact
-        return NodalSolution(plane, R, residual, work, *fields)
+        return NodalSolution(plane, R, residual, work, pressure, gap, state.pressure, -state.deformed, state.contact)
 
     def _run(self, flatness: float, coarse: Array, grid: Grid, state: GridState) -> None:
-        """Iterate until the solution is found, in kernel calls of `WORK_PER_CALL`."""
         self._progress["steps"], steps = 0, max(WORK_PER_CALL // state.vector.size, 1)
         while not _iterate(steps, flatness, coarse, grid, state):
             pass
