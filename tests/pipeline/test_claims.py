@@ -9,8 +9,7 @@ from weier.data import dataset
 from weier.data.variables import Check
 from weier.methods import westergaard
 from weier.pipeline import claims
-from weier.pipeline.claims import claim, measures, verdicts
-from weier.pipeline.claims.paper import by_phases
+from weier.pipeline.claims import claim, measures, paper, verdicts
 from weier.pipeline.gather import read_study
 from weier.pipeline.needed_curves import Curves
 
@@ -236,7 +235,7 @@ def test_what_is_said_of_a_claim(name, cases, expected):
 )
 def test_what_is_measured_for_a_claim(name, cases, values):
     found = judged(name, cases()).findings
-    assert [finding.value for finding in found[: len(values)]] == pytest.approx(values, rel=0.01)
+    assert [finding.number.value for finding in found[: len(values)]] == pytest.approx(values, rel=0.01)
 
 
 def test_the_layer_may_be_best_but_at_the_lightest_loads():
@@ -244,7 +243,7 @@ def test_the_layer_may_be_best_but_at_the_lightest_loads():
     best = [
         finding
         for finding in found
-        if "root mean" in finding.condition.quantity and ", mean of" in finding.ensemble.name
+        if "root mean" in finding.number.quantity and ", mean of" in finding.ensemble.name
     ]
     assert [(finding.outcome, finding.decides) for finding in best] == [(YES, True), (NO, False)]
 
@@ -269,7 +268,7 @@ def test_the_spacing_of_loads_changes_nothing(loads):
     half = 2 * (1 - 0.5 ** (1 / 3))
     mean = 0.06 * (np.cos(np.pi * half) - np.cos(2 * np.pi)) / np.pi / (2 - half)
     # The trapezoidal rule, the last load before full contact and the ends of the range make up the difference.
-    assert measured.findings[0].value == pytest.approx(mean, abs=1e-3)
+    assert measured.findings[0].number.value == pytest.approx(mean, abs=1e-3)
     assert measured.outcome == YES
 
 
@@ -291,7 +290,7 @@ def test_single_profiles_and_the_other_datum_stand_beside_the_verdict():
         "mean of 6": True,
         "one by one": False,
     }
-    assert max(finding.value for finding in found if finding.condition.unit == "%") > 0.15
+    assert max(finding.number.value for finding in found if finding.number.unit == "%") > 0.15
 
 
 @pytest.fixture
@@ -310,11 +309,11 @@ def test_a_scene_names_claims_that_there_are(solved_with):
 def test_a_new_claim_is_one_row(solved_with, tmp_path, monkeypatch):
     """Nothing but the row is added, and the claim is checked, measured, written, and read again."""
 
-    def error(case):
-        return float(np.abs(measures.excess(case, "demelio")).max())
+    @paper.claim(measures.by_phases, "Demelio is exact.")
+    def exact(case):
+        yield claim.Number("error of Demelio", "g_0", abs(measures.excess(case, "demelio")).max(), "at most", 1e-6)
 
-    exact = claim.Condition("error of Demelio", "g_0", error, claim.at_most(1e-6))
-    monkeypatch.setitem(CLAIMS, "demelio_exact", claim.Claim("Demelio is exact.", by_phases, exact))
+    monkeypatch.setitem(CLAIMS, "demelio_exact", exact)
     solutions = solved_with(demelio_exact=("two",))
     assert not list(claims.check_names(solutions.scene))
     claims.write(solutions, tmp_path / "contact.nc", tmp_path / "claims.md")

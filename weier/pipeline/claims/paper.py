@@ -1,14 +1,16 @@
-"""The claims of the paper: each statement, and its interpretation as conditions."""
+"""The claims of the paper: each statement, and its interpretation as numbers of a profile and their limits."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
 from weier.data import curves
+from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
-from weier.pipeline.claims import measures
 from weier.pipeline.claims.claim import (
     MIN_FRACTION,
     MIN_MEMBERS,
@@ -16,25 +18,35 @@ from weier.pipeline.claims.claim import (
     Case,
     Cases,
     Claim,
-    Condition,
     Ensemble,
-    at_least,
-    at_most,
-    negative,
-    not_negative,
-    positive,
+    Number,
 )
 from weier.pipeline.claims.measures import (
-    ESTIMATES,
-    INTERMEDIATE,
-    LOW_COMPLIANCE,
     PARTIAL,
     ROUNDING,
+    between,
+    by_mean,
+    by_phases,
+    curve,
     describe,
+    errors_of_resistance,
+    excess,
+    largest,
+    mean,
     need,
+    numerical,
+    partial_contact,
+    ratio,
+    resistance_of_independent_contacts,
+    series,
+    stated_error,
+    total,
 )
 from weier.surface.profile import PARAMETERS
+from weier.surface.series import full_contact_pressure, tail_amplitude
+from weier.theory.bounds import resistance_bounds
 
+ESTIMATES = ("archard", "demelio", "layer")  # the approximations of Section 4
 # Limits that quantify words of the paper.
 CLOSE_AGREEMENT = 0.1  # Relative errors below this are not visible in a plot at light loads.
 CLOSE = 0.05  # quantifies "fairly close", "good results" and "relatively small", over full contact
@@ -43,9 +55,13 @@ DEMELIO_ERROR = 0.30  # relative error of the resistance in the paper: "by as mu
 LAYER_ERROR = 0.12  # relative error of the resistance in the paper: "about"
 QUOTED_TOLERANCE = 1.25  # "As much as 30%" and "about 12%" allow up to this factor.
 QUITE_GOOD = 0.1  # "Quite good" for h, over full contact; for R it means the 30 % given for Demelio.
-PHASE_DIGITS = 11  # Phases that agree in these digits are equal.
 LIGHT_LOAD = 0.01  # p_0*: as p -> 0, every estimate tends to 0, the exact compliance to its value at first contact
 SAME_RATE = 1.1  # The area falls as gamma^(1-D) a term within this factor, which is within the scatter of phases.
+MAX_ALIGNED_ANGLE = np.pi / 6  # largest distance of phases "close to zero and pi"
+LOW_COMPLIANCE = 0.5  # boundary between low and high loads, as a fraction of the compliance at full contact
+# Compliances over that at full contact, as PARTIAL: below both ranges, one contact carries the load. Above this one,
+# the coarse waves are flat and the finest ones alone resist; above PARTIAL, the resistance itself vanishes.
+INTERMEDIATE = (0.1, 0.9)
 
 RULE = (
     "Each number is measured on profiles that differ in their phases alone, and a profile is too close to call where "
@@ -71,382 +87,296 @@ MEANINGS = (
 )
 
 
-def by_phases(cases: Cases) -> list[Ensemble]:
-    """Return an ensemble for each D, gamma and m, with each case as a member; a single wave has one member."""
-    need(cases, "cases")
-    return [
-        Ensemble(describe(group[0]), tuple((case,) for case in group), float(group[0]["m"]) == 1)
-        for group in curves.groups(cases, *PARAMETERS)
-    ]
+def claim(
+    ensembles: Callable[[Cases], list[Ensemble]], statement: str
+) -> Callable[[Callable[..., Iterator[Number]]], Claim]:
+    """Make a claim of a function that yields the numbers of a member of an ensemble."""
+    return partial(Claim, statement, ensembles)
 
 
-def by_mean(cases: Cases) -> list[Ensemble]:
-    """Return the mean of each ensemble, which decides, and its members for information."""
-    single = by_phases(cases)
-    means = [
-        Ensemble(
-            f"{own.name}, mean of {len(own.members)}",
-            ((measures.ensemble_mean([case for (case,) in own.members]),),),
-            own.complete or len(own.members) >= MIN_MEMBERS,
-        )
-        for own in single
-    ]
-    return means + [own._replace(name=f"{own.name}, one by one", decides=False) for own in single]
-
-
-def series(cases: Cases, varied: str) -> list[Ensemble]:
-    """Return members: cases of equal phases (of common terms), ordered by the one parameter that varies."""
-    found = []
-    for group in curves.groups(cases, *(name for name in PARAMETERS if name != varied)):
-        rows = _rows(group, varied)
-        members = tuple(row for row in rows if len(row) > 1)
-        if members:
-            first, last = members[0][0], members[0][-1]
-            others = [f"{name} = {float(first[name]):g}" for name in PARAMETERS if name != varied]
-            name = ", ".join([f"{varied} from {float(first[varied]):g} to {float(last[varied]):g}", *others])
-            found.append(Ensemble(name, members))
-    need(found, f"cases of the same phases and different {varied}")
-    return found
-
-
-def _rows(cases: Cases, varied: str) -> list[Cases]:
-    """Return rows of cases, one case per value of a parameter, that share the phases of their common terms."""
-    by_value: dict[float, list[tuple[tuple[float, ...], Case]]] = {}
-    for case in cases:
-        phases = case["phases"]
-        own = tuple(phases[np.isfinite(phases)].round(PHASE_DIGITS).tolist())
-        by_value.setdefault(float(case[varied]), []).append((own, case))
-    values = sorted(by_value)
-    terms = {value: len(by_value[value][0][0]) for value in values}
-    last = terms[values[-1]]
-    alike = {value: {own[:last]: case for own, case in by_value[value]} for value in values}
-    rows: list[Cases] = []
-    for own, _ in by_value[values[-1]]:
-        found = (alike[value].get(own[: terms[value]]) for value in values)
-        rows.append([case for case in found if case is not None])
-    return rows
+@claim(
+    by_phases,
+    "Even with as few as 12 elements, the results agree closely with Eq. (12), except at very light loads where "
+    "only one element is in contact (5.1).",
+)
+def twelve_elements(case: Case) -> Iterator[Number]:
+    error = np.abs(curve(case, "bem") / curve(case, "westergaard") - 1)
+    points = float(case["points"][case["solution_method"].tolist().index("bem")])
+    single = points * curve(case, "bem", "contact_fraction") < 1.5
+    need(single.any() and not single.all(), "loads with one element in contact and loads with more")
+    what, limit = "largest relative error of the compliance with", CLOSE_AGREEMENT
+    yield Number(f"{what} more than one element in contact", "%", error[~single].max(), "at most", limit)
+    yield Number(f"{what} only one element in contact", "%", error[single].max(), "at least", limit)
 
 
 def _coarse_and_fine(cases: Cases) -> list[Ensemble]:
-    """Return two ensembles, smallest and largest gamma, each with all phases as one member."""
-    groups = sorted(curves.groups(cases, "gamma"), key=lambda group: float(group[0]["gamma"]))
-    need(len(groups) > 1, "phases for two values of gamma")
-    return [Ensemble(f"gamma = {float(group[0]['gamma']):g}", (group,), True) for group in (groups[0], groups[-1])]
+    """Return two ensembles, gamma = 2 and 5, each with all phases as one member."""
+    groups = {float(group[0]["gamma"]): group for group in curves.groups(cases, "gamma")}
+    need(groups.keys() >= {2, 5}, "phases for gamma = 2 and 5")
+    return [Ensemble(f"gamma = {gamma}", [groups[gamma]]) for gamma in (2, 5)]
 
 
-COARSE, FINE = slice(0, 1), slice(1, 2)  # The ensembles of `_coarse_and_fine`.
+@claim(
+    _coarse_and_fine,
+    "The curves for gamma = 2 lie fairly close to their average for all phases except those close to zero and "
+    "pi; the effect of phase is extremely small at gamma = 5 (5.2).",
+)
+def phase_spread(*phases: Case) -> Iterator[Number]:
+    h = np.array([numerical(case) / total(case) for case in phases])
+    if phases[0]["gamma"] == 5:
+        spread = np.ptp(h, axis=0).max()
+        yield Number("largest spread of all curves, of full contact", "%", spread, "at most", EXTREMELY_SMALL)
+        return
+    angle = np.array([curves.phase_angle(case) for case in phases])
+    close = np.minimum(angle, np.pi - angle) <= MAX_ALIGNED_ANGLE + ROUNDING
+    need(close.any() and not close.all(), "phases close to zero or pi and phases between")
+    distance, what = np.abs(h - h.mean(axis=0)), "largest distance from the average at"
+    yield Number(f"{what} other phases, of full contact", "%", distance[~close].max(), "at most", CLOSE)
+    yield Number(
+        f"{what} phases close to zero and pi, of full contact", "%", distance[close].max(), "at least", CLOSE
+    )
+
+
+@claim(
+    by_phases,
+    "The Archard approximation overestimates the compliance at all values of load (5.3): at all but the "
+    "lightest, where Archard's compliance tends to 0 and that of the surface to its value at first contact.",
+)
+def archard_above(case: Case) -> Iterator[Number]:
+    off, error = excess(case, "archard"), stated_error("compliance", case)
+    crossing = _load_of_crossing(case, off)
+    yield Number("load above which Archard's compliance is too high", "p_0*", crossing, "at most", LIGHT_LOAD)
+    what = "least excess of Archard's compliance over that from first contact"
+    least = (off + float(case["first_contact"]))[partial_contact(case)].min()
+    yield Number(what, "g_0", least, "at least", 0, error=error, decides=False)
+
+
+def _load_of_crossing(case: Case, off: Array) -> float:
+    """Return the load above which an excess is positive, in p_0*; the first one if it always is.
+
+    Close to full contact, where all curves meet, the sign of the excess is not examined.
+    """
+    loads = case["mean_pressure"]
+    below = np.flatnonzero((off < 0) & (numerical(case) < PARTIAL[1] * total(case)))
+    if not below.size:
+        return float(loads[0])
+    last = int(below[-1])
+    if last + 1 == loads.size:
+        return float(loads[-1])
+    return float(np.interp(0.0, off[last : last + 2], loads[last : last + 2]))
+
+
+@claim(by_phases, "The Demelio approximation underestimates the compliance at low loads (5.3).")
+def demelio_below(case: Case) -> Iterator[Number]:
+    _, low = between(case, excess(case, "demelio"), 0, LOW_COMPLIANCE)
+    error = stated_error("compliance", case)
+    yield Number("largest excess of Demelio's compliance at low loads", "g_0", low.max(), "below", 0, error=error)
+
+
+@claim(
+    by_phases,
+    "The non-linear layer model gives good results at low loads, but tends to underestimate the compliance "
+    "slightly at high loads (5.3).",
+)
+def layer_close(case: Case) -> Iterator[Number]:
+    off, error = excess(case, "layer"), stated_error("compliance", case)
+    high = mean(*between(case, off, LOW_COMPLIANCE, 1))
+    yield Number(
+        "mean excess of the layer's compliance at high loads", "g_0", high, "below", 0, error=error, most=True
+    )
+    low = largest(between(case, off, 0, LOW_COMPLIANCE)[1]) / total(case)
+    what = "largest error of the layer's compliance at low loads, of full contact"
+    yield Number(what, "%", low, "at most", CLOSE, most=True)
+
+
+@claim(
+    partial(series, "D"),
+    "The higher fractal dimension generally makes the approximations less accurate (5.3).",
+)
+def errors_grow_with_dimension(*dimensions: Case) -> Iterator[Number]:
+    error = stated_error("compliance", *dimensions)
+    for method in ESTIMATES:
+        first, last = (largest(excess(case, method)) / total(case) for case in (dimensions[0], dimensions[-1]))
+        what = f"growth of the largest error of {find_method(method).label}, of full contact"
+        yield Number(what, "%", last - first, "above", 0, error=error, most=True)
+
+
+@claim(
+    by_mean,
+    "The Archard approximation tends to underestimate the resistance, particularly at high loads; the Demelio "
+    "approximation consistently overestimates it, by as much as 30%; the non-linear layer is best, its largest "
+    "error an overestimate of about 12% at intermediate loads (5.4).",
+)
+def resistance_errors(case: Case) -> Iterator[Number]:
+    layer, demelio = (errors_of_resistance(case, method)[1] for method in ("layer", "demelio"))
+    error = stated_error("resistance", case)
+    what, limit = "largest relative error of the layer's resistance", QUOTED_TOLERANCE * LAYER_ERROR
+    yield Number(what, "%", largest(layer), "at most", limit)
+    what = "largest overestimate of the layer's resistance less its largest underestimate"
+    yield Number(what, "%", layer.min() + layer.max(), "above", 0, error=error, most=True)
+    what = "root mean square error of R by the layer minus the better of the other estimates"
+    yield Number(what, "%", _layer_minus_better(case), "below", 0, error=error, most=True)
+    what = "root mean square error of R over ln p from the lightest load on, minus the better of the others"
+    lightest = _layer_minus_better(case, lightest=True)
+    yield Number(what, "%", lightest, "below", 0, error=error, most=True, decides=False)
+    high = mean(*errors_of_resistance(case, "archard", LOW_COMPLIANCE))
+    what = "mean relative error of Archard's resistance at high loads"
+    yield Number(what, "%", high, "below", 0, error=error, most=True)
+    what = "least relative error of Demelio's resistance"
+    yield Number(what, "%", demelio.min(), "at least", 0, error=error)
+    what, limit = "largest relative error of Demelio's resistance", QUOTED_TOLERANCE * DEMELIO_ERROR
+    yield Number(what, "%", demelio.max(), "at most", limit)
+
+
+def _layer_minus_better(case: Case, lightest: bool = False) -> float:
+    """Return the rms error of R by the layer, minus the rms error by the better of the other estimates.
+
+    With `lightest`, the range begins at the first load, and the mean is over the logarithm of the load.
+    """
+    size = []
+    for method in ESTIMATES:
+        loads, error = errors_of_resistance(case, method, 0.0 if lightest else PARTIAL[0])
+        size.append(np.sqrt(mean(np.log(loads) if lightest else loads, error**2)))
+    archard, demelio, layer = size
+    return float(layer - min(archard, demelio))
+
+
+@claim(by_phases, "All the curves show the typical reduction of contact resistance with increasing load (5.4).")
+def resistance_falls(case: Case) -> Iterator[Number]:
+    rows = [*(curve(case, method, "resistance") for method in ESTIMATES), numerical(case, "resistance")]
+    rise = max((np.diff(row) / row.max()).max() for row in rows)
+    what = "largest rise of a resistance from one load to the next, over its largest value"
+    yield Number(what, "", rise, "at most", ROUNDING, factor=1)
+
+
+@claim(
+    by_phases,
+    "The bounds on the resistance are less tight than those on the load-compliance relation (5.5).",
+)
+def bounds_looser(case: Case) -> Iterator[Number]:
+    widths = []
+    for quantity in ("resistance", "compliance"):
+        width = numerical(case, f"{quantity}_upper") - numerical(case, f"{quantity}_lower")
+        relative = width / np.maximum(numerical(case, quantity), ROUNDING)
+        widths.append(mean(*between(case, relative, *INTERMEDIATE)))
+    what = "relative width of the bounds on the resistance over that on the compliance"
+    yield Number(what, "", widths[0] / widths[1], "at least", 1)
+
+
+@claim(partial(series, "D"), "For D = 1.5 the curves continue to rise through larger values of the load (5.3).")
+def rises_further(*dimensions: Case) -> Iterator[Number]:
+    first, last = (_full_contact_load(case) for case in (dimensions[0], dimensions[-1]))
+    what = "load of 99 % of full contact for the largest D over that for the smallest"
+    yield Number(what, "", last / first, "at least", 1)
+
+
+def _full_contact_load(case: Case) -> float:
+    """Return the first load close to full contact, or the last load."""
+    close = numerical(case) >= curves.FULL_CONTACT_COMPLIANCE * total(case)
+    return float(case["mean_pressure"][np.argmax(close) if close.any() else -1])
+
+
+@claim(by_mean, "All the proposed approximations give quite good predictions of the curves (6).")
+def approximations_good(case: Case) -> Iterator[Number]:
+    for method in ESTIMATES:
+        label = find_method(method).label
+        h = mean(*between(case, np.abs(excess(case, method)), 0, 1)) / total(case)
+        yield Number(f"mean error of the compliance by {label}, of full contact", "%", h, "at most", QUITE_GOOD)
+        loads, error = errors_of_resistance(case, method)
+        what = f"mean relative error of the resistance by {label}"
+        yield Number(what, "%", mean(loads, np.abs(error)), "at most", DEMELIO_ERROR)
+
+
+@claim(by_phases, "The numerical resistance is rather sensitive to discretization errors (5.4).")
+def boundary_elements(case: Case) -> Iterator[Number]:
+    contact = partial_contact(case)
+    R, exact = (curve(case, method, "resistance")[contact] for method in ("bem", "patches"))
+    of_compliance = largest(curve(case, "bem") - curve(case, "patches")) / total(case)
+    what = "ratio of the largest relative errors of resistance and compliance by boundary elements"
+    yield Number(what, "", largest(R / exact - 1) / of_compliance, "at least", 1)
+
+
+@claim(partial(series, "m"), "Additional fine scale features have a relatively small effect (5.5).")
+def fourth_term(*lengths: Case) -> Iterator[Number]:
+    gaps = [total(case) - numerical(case) for case in lengths]
+    *others, last = (largest(longer - shorter) for shorter, longer in pairwise(gaps))
+    what = "largest change of the mean gap with the last term, of full contact"
+    yield Number(what, "%", last / total(lengths[-1]), "at most", CLOSE)
+    what = "largest change of the mean gap with the last term over the least with those before"
+    yield Number(what, "", last / min(others, default=np.inf), "at most", 1)
+
+
+@claim(
+    partial(series, "m"),
+    "The contact area reduces without limit as finer and finer scales are added (1), while stiffness and "
+    "resistance are largely determined by the coarse scales (5.5, 6).",
+)
+def area_vanishes(*lengths: Case) -> Iterator[Number]:
+    areas = [_area_ratio(shorter, longer) for shorter, longer in pairwise(lengths)]
+    growth = max(area.max() for area in areas)
+    what = "largest ratio of the contact areas with one more term and without it"
+    yield Number(what, "", growth, "at most", 1, factor=1)
+    rate = full_contact_pressure(1, float(lengths[-1]["D"]), float(lengths[-1]["gamma"]))  # gamma^(D-1)
+    what = "factor of the area with the last term over gamma^(1-D), mean over the loads"
+    yield Number(what, "", np.exp(np.log(areas[-1]).mean()) * rate, "at most", SAME_RATE, most=True)
+    shorter, longer = (numerical(case, "resistance") for case in lengths[-2:])
+    loads, change = between(lengths[-1], np.abs(ratio(longer, shorter) - 1), *INTERMEDIATE)
+    what = "mean absolute relative change of the resistance with the last term"
+    yield Number(what, "%", mean(loads, change), "at most", CLOSE, most=True)
+    what = "largest relative change of the resistance with the last term"
+    yield Number(what, "%", change.max(), "at most", CLOSE, decides=False)
+
+
+def _area_ratio(shorter: Case, longer: Case) -> Array:
+    """Return the ratios of the contact fractions of two series at the loads of partial contact of the shorter one."""
+    contact = partial_contact(shorter)
+    area: Array = numerical(longer, "contact_fraction")[contact] / numerical(shorter, "contact_fraction")[contact]
+    return area
+
+
+@claim(
+    partial(series, "m"),
+    "Classical asperity models predict continued change in contact resistance as more fine scale features are "
+    "added (6), since the number of independent contacts times their size grows without limit (2).",
+)
+def independent_contacts(*lengths: Case) -> Iterator[Number]:
+    fewer, more = (numerical(case, "patch_count") for case in lengths[-2:])
+    growth = mean(*between(lengths[-1], more / np.maximum(fewer, 1), *INTERMEDIATE))
+    yield Number("factor of the number of contacts with the last term, mean over the load", "", growth, "at least", 1)
+    shorter, longer = map(resistance_of_independent_contacts, lengths[-2:])
+    with np.errstate(divide="ignore", invalid="ignore"):  # full contact is excluded below
+        logarithm = np.log(longer / shorter)
+    factor = np.exp(mean(*between(lengths[-1], logarithm, *INTERMEDIATE)))
+    what = "factor of the resistance of independent contacts with the last term"
+    yield Number(what, "", factor, "at most", 1 - DEMELIO_ERROR, factor=1)
 
 
 def _with_one_wave(cases: Cases) -> list[Ensemble]:
     """Return one case of each longer series (the estimates are independent of phases) and the one-wave solution."""
-    waves = [case for case in cases if float(case["m"]) == 1]
-    longer = curves.groups([case for case in cases if float(case["m"]) > 1], *PARAMETERS)
+    waves = [case for case in cases if case["m"] == 1]
+    longer = curves.groups([case for case in cases if case["m"] > 1], *PARAMETERS)
     need(waves and longer, "one-wave solution and longer series")
-    return [Ensemble(describe(group[0]), ((group[0], waves[0]),), True) for group in longer]
+    return [Ensemble(describe(group[0]), [(group[0], waves[0])]) for group in longer]
 
 
-def _growth(method: str) -> Condition:
-    label = find_method(method).label
-    return Condition(
-        f"growth of the largest error of {label}, of full contact",
-        "%",
-        partial(measures.growth_of_error, method),
-        positive("compliance"),
-        most=True,
-    )
+@claim(
+    _with_one_wave,
+    "The bounds from Westergaard's solution for the first wave are so loose as to include the predictions of all "
+    "three methods (5).",
+)
+def one_wave_bounds(case: Case, wave: Case) -> Iterator[Number]:
+    exact = curves.curve(wave, "compliance", "westergaard")
+    h = numerical(wave) if exact is None else exact
+    # Each estimate lies within h_1 and h_1 + 2 G_1 by construction: a finer wave adds between 0 and g_n to h_1.
+    tail = float(tail_amplitude(1, float(case["D"]), float(case["gamma"])))
+    spread = np.ptp([curve(case, method) for method in ESTIMATES], axis=0).max()
+    what = "largest difference between estimates of the compliance over the width 2 G_1 of the bounds"
+    yield Number(what, "%", spread / (2 * tail), "at most", 1 + ROUNDING, factor=1)
+    low, high = resistance_bounds(case["mean_pressure"], h, tail, 0.0)
+    R = np.array([curve(case, method, "resistance") for method in ESTIMATES])
+    outside = np.maximum(low / np.maximum(R, ROUNDING), R / high).max()
+    what = "largest ratio of a resistance to its upper bound, or of its lower bound to it"
+    yield Number(what, "%", outside, "at most", 1 + ROUNDING, factor=1)
 
 
-CLAIMS = {
-    "twelve_elements": Claim(
-        "Even with as few as 12 elements, the results agree closely with Eq. (12), except at very light loads where "
-        "only one element is in contact (5.1).",
-        by_phases,
-        Condition(
-            "largest relative error of the compliance with more than one element in contact",
-            "%",
-            lambda case: measures.errors_of_elements(case)[1],
-            at_most(CLOSE_AGREEMENT),
-        ),
-        Condition(
-            "largest relative error of the compliance with only one element in contact",
-            "%",
-            lambda case: measures.errors_of_elements(case)[0],
-            at_least(CLOSE_AGREEMENT),
-        ),
-    ),
-    "phase_spread": Claim(
-        "The curves for gamma = 2 lie fairly close to their average for all phases except those close to zero and "
-        "pi; the effect of phase is extremely small at gamma = 5 (5.2).",
-        _coarse_and_fine,
-        Condition(
-            "largest distance from the average at other phases, of full contact",
-            "%",
-            lambda *phases: measures.distances_from_average(*phases)[1],
-            at_most(CLOSE),
-            ensembles=COARSE,
-        ),
-        Condition(
-            "largest distance from the average at phases close to zero and pi, of full contact",
-            "%",
-            lambda *phases: measures.distances_from_average(*phases)[0],
-            at_least(CLOSE),
-            ensembles=COARSE,
-        ),
-        Condition(
-            "largest spread of all curves, of full contact",
-            "%",
-            measures.spread_of_phases,
-            at_most(EXTREMELY_SMALL),
-            ensembles=FINE,
-        ),
-    ),
-    "archard_above": Claim(
-        "The Archard approximation overestimates the compliance at all values of load (5.3): at all but the "
-        "lightest, where Archard's compliance tends to 0 and that of the surface to its value at first contact.",
-        by_phases,
-        Condition(
-            "load above which Archard's compliance is too high",
-            "p_0*",
-            lambda case: measures.load_of_crossing(case, "archard"),
-            at_most(LIGHT_LOAD),
-        ),
-        Condition(
-            "least excess of Archard's compliance over that from first contact",
-            "g_0",
-            lambda case: measures.least_excess_from_first_contact(case, "archard"),
-            not_negative("compliance"),
-            decides=False,
-        ),
-    ),
-    "demelio_below": Claim(
-        "The Demelio approximation underestimates the compliance at low loads (5.3).",
-        by_phases,
-        Condition(
-            "largest excess of Demelio's compliance at low loads",
-            "g_0",
-            lambda case: float(measures.excess_at_low_loads(case, "demelio").max()),
-            negative("compliance"),
-        ),
-    ),
-    "layer_close": Claim(
-        "The non-linear layer model gives good results at low loads, but tends to underestimate the compliance "
-        "slightly at high loads (5.3).",
-        by_phases,
-        Condition(
-            "mean excess of the layer's compliance at high loads",
-            "g_0",
-            lambda case: measures.mean_excess_at_high_loads(case, "layer"),
-            negative("compliance"),
-            most=True,
-        ),
-        Condition(
-            "largest error of the layer's compliance at low loads, of full contact",
-            "%",
-            lambda case: measures.error_at_low_loads(case, "layer"),
-            at_most(CLOSE),
-            most=True,
-        ),
-    ),
-    "errors_grow_with_dimension": Claim(
-        "The higher fractal dimension generally makes the approximations less accurate (5.3).",
-        partial(series, varied="D"),
-        *map(_growth, ESTIMATES),
-    ),
-    "resistance_errors": Claim(
-        "The Archard approximation tends to underestimate the resistance, particularly at high loads; the Demelio "
-        "approximation consistently overestimates it, by as much as 30%; the non-linear layer is best, its largest "
-        "error an overestimate of about 12% at intermediate loads (5.4).",
-        by_mean,
-        Condition(
-            "largest relative error of the layer's resistance",
-            "%",
-            lambda case: max(map(abs, measures.resistance_range(case, "layer"))),
-            at_most(QUOTED_TOLERANCE * LAYER_ERROR),
-        ),
-        Condition(
-            "largest overestimate of the layer's resistance less its largest underestimate",
-            "%",
-            lambda case: sum(measures.resistance_range(case, "layer")),
-            positive("resistance"),
-            most=True,
-        ),
-        Condition(
-            "root mean square error of R by the layer minus the better of the other estimates",
-            "%",
-            measures.layer_behind_others,
-            negative("resistance"),
-            most=True,
-        ),
-        Condition(
-            "root mean square error of R over ln p from the lightest load on, minus the better of the others",
-            "%",
-            partial(measures.layer_behind_others, lightest=True),
-            negative("resistance"),
-            most=True,
-            decides=False,
-        ),
-        Condition(
-            "mean relative error of Archard's resistance at high loads",
-            "%",
-            lambda case: measures.mean_resistance_error_at_high_loads(case, "archard"),
-            negative("resistance"),
-            most=True,
-        ),
-        Condition(
-            "least relative error of Demelio's resistance",
-            "%",
-            lambda case: measures.resistance_range(case, "demelio")[0],
-            not_negative("resistance"),
-        ),
-        Condition(
-            "largest relative error of Demelio's resistance",
-            "%",
-            lambda case: measures.resistance_range(case, "demelio")[1],
-            at_most(QUOTED_TOLERANCE * DEMELIO_ERROR),
-        ),
-    ),
-    "resistance_falls": Claim(
-        "All the curves show the typical reduction of contact resistance with increasing load (5.4).",
-        by_phases,
-        Condition(
-            "largest rise of a resistance from one load to the next, over its largest value",
-            "",
-            measures.largest_rise_of_resistance,
-            at_most(ROUNDING, factor=1),
-        ),
-    ),
-    "bounds_looser": Claim(
-        "The bounds on the resistance are less tight than those on the load-compliance relation (5.5).",
-        by_phases,
-        Condition(
-            "relative width of the bounds on the resistance over that on the compliance",
-            "",
-            measures.width_of_bounds,
-            at_least(1),
-        ),
-    ),
-    "rises_further": Claim(
-        "For D = 1.5 the curves continue to rise through larger values of the load (5.3).",
-        partial(series, varied="D"),
-        Condition(
-            "load of 99 % of full contact for the largest D over that for the smallest",
-            "",
-            measures.later_full_contact,
-            at_least(1),
-        ),
-    ),
-    "approximations_good": Claim(
-        "All the proposed approximations give quite good predictions of the curves (6).",
-        by_mean,
-        *(
-            condition
-            for method in ESTIMATES
-            for condition in (
-                Condition(
-                    f"mean error of the compliance by {find_method(method).label}, of full contact",
-                    "%",
-                    partial(measures.mean_error, method=method),
-                    at_most(QUITE_GOOD),
-                ),
-                Condition(
-                    f"mean relative error of the resistance by {find_method(method).label}",
-                    "%",
-                    partial(measures.mean_resistance_error, method=method),
-                    at_most(DEMELIO_ERROR),
-                ),
-            )
-        ),
-    ),
-    "boundary_elements": Claim(
-        "The numerical resistance is rather sensitive to discretization errors (5.4).",
-        by_phases,
-        Condition(
-            "ratio of the largest relative errors of resistance and compliance by boundary elements",
-            "",
-            measures.discretisation_ratio,
-            at_least(1),
-        ),
-    ),
-    "fourth_term": Claim(
-        "Additional fine scale features have a relatively small effect (5.5).",
-        partial(series, varied="m"),
-        Condition(
-            "largest change of the mean gap with the last term, of full contact",
-            "%",
-            measures.last_change,
-            at_most(CLOSE),
-        ),
-        Condition(
-            "largest change of the mean gap with the last term over the least with those before",
-            "",
-            measures.last_change_over_others,
-            at_most(1),
-        ),
-    ),
-    "area_vanishes": Claim(
-        "The contact area reduces without limit as finer and finer scales are added (1), while stiffness and "
-        "resistance are largely determined by the coarse scales (5.5, 6).",
-        partial(series, varied="m"),
-        Condition(
-            "largest ratio of the contact areas with one more term and without it",
-            "",
-            measures.growth_of_area,
-            at_most(1, factor=1),
-        ),
-        Condition(
-            "factor of the area with the last term over gamma^(1-D), mean over the loads",
-            "",
-            measures.decay_of_area,
-            at_most(SAME_RATE),
-            most=True,
-        ),
-        Condition(
-            "mean absolute relative change of the resistance with the last term",
-            "%",
-            measures.mean_change_of_resistance,
-            at_most(CLOSE),
-            most=True,
-        ),
-        Condition(
-            "largest relative change of the resistance with the last term",
-            "%",
-            measures.largest_change_of_resistance,
-            at_most(CLOSE),
-            decides=False,
-        ),
-    ),
-    "independent_contacts": Claim(
-        "Classical asperity models predict continued change in contact resistance as more fine scale features are "
-        "added (6), since the number of independent contacts times their size grows without limit (2).",
-        partial(series, varied="m"),
-        Condition(
-            "factor of the number of contacts with the last term, mean over the load",
-            "",
-            measures.growth_of_count,
-            at_least(1),
-        ),
-        Condition(
-            "factor of the resistance of independent contacts with the last term",
-            "",
-            measures.factor_of_independent_contacts,
-            at_most(1 - DEMELIO_ERROR, factor=1),
-        ),
-    ),
-    "one_wave_bounds": Claim(
-        "The bounds from Westergaard's solution for the first wave are so loose as to include the predictions of all "
-        "three methods (5).",
-        _with_one_wave,
-        Condition(
-            "largest difference between estimates of the compliance over the width 2 G_1 of the bounds",
-            "%",
-            measures.spread_over_bounds,
-            at_most(1 + ROUNDING, factor=1),
-        ),
-        Condition(
-            "largest ratio of a resistance to its upper bound, or of its lower bound to it",
-            "%",
-            measures.resistance_over_bounds,
-            at_most(1 + ROUNDING, factor=1),
-        ),
-    ),
-}
+CLAIMS = {name: found for name, found in dict(globals()).items() if isinstance(found, Claim)}

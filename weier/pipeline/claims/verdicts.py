@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from weier.data import markdown
+from weier.data.markdown import significant
 from weier.data.variables import Check, flags
-from weier.pipeline.claims.claim import Finding, Judgement, written
+from weier.pipeline.claims.claim import Finding, Judgement
 from weier.pipeline.claims.paper import MEANINGS, RULE
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 CONTENT = "qualityInformation"  # Kind of content of claims in the terms of ISO 19115.
 DETAILS = ("quantity", "profiles", "measured", "between", "limit", "results", "holds")
+VOTES = {Check.yes: "say yes", Check.no: "say no", Check.not_decided: "too close to call"}  # checks of members
 
 
 def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
@@ -50,9 +52,8 @@ def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
     if judged.missing:
         return f"Not measured: {judged.missing}.", "", ""
     finding = judged.decisive
-    quantity = finding.condition.quantity
-    text = f"{quantity[:1].upper()}{quantity[1:]}: {written(finding.value, finding.condition.unit)}"
-    return text, finding.limit, finding.votes
+    quantity, _, value, _, limit, votes, _ = details(finding)
+    return f"{quantity[:1].upper()}{quantity[1:]}: {value}", limit, votes
 
 
 def decisive_line(judged: Judgement) -> str:
@@ -63,19 +64,35 @@ def decisive_line(judged: Judgement) -> str:
 
 def details(finding: Finding) -> list[str]:
     """Return a row of DETAILS."""
-    condition = finding.condition
-    value, low, high = (
-        written(value, condition.unit) for value in (finding.value, min(finding.values), max(finding.values))
+    number, values = finding.number, finding.values
+    value, limit, low, high = (
+        _written(value, number.unit) for value in (number.value, number.limit, min(values), max(values))
     )
     return [
-        condition.quantity,
+        number.quantity,
         finding.ensemble.name,
         value,
-        f"{low} and {high}" if len(finding.values) > 1 else "",
-        finding.limit,
-        finding.votes,
+        f"{low} and {high}" if len(values) > 1 else "",
+        f"{number.word} {limit}",
+        _votes(finding.checks),
         finding.outcome.text,
     ]
+
+
+def _written(value: float, unit: str) -> str:
+    """Return a value in its unit, with two digits."""
+    if value == 0:
+        return "0"
+    return f"{significant(100 * value, 2)} %" if unit == "%" else f"{significant(value, 2)} {unit}".rstrip()
+
+
+def _votes(checks: Sequence[Check]) -> str:
+    """Return the numbers of members by their results, in words."""
+    if len(checks) == 1:
+        return VOTES[Check.not_decided] * (Check.not_decided in checks)
+    counts = [(checks.count(check), words) for check, words in VOTES.items() if check in checks]
+    (first, words), *others = counts
+    return ", ".join([f"{first} of {len(checks)} {words}", *(f"{count} {words}" for count, words in others)])
 
 
 def to_markdown(title: str, judged: Mapping[str, Judgement]) -> str:
