@@ -98,6 +98,12 @@ WRONG_USAGE = [
     (["plot", *PROFILE, "x.txt"], "the name must end in one of .pdf, .svg, .png, got x.txt"),
     ([*SOLVE, "--pressures", "1MPa"], "--pressures are in Pa: name the two bodies by --si"),
     ([*SOLVE, "--phases", "1,x"], "expected numbers with commas between, got '1,x'"),
+    ([*SOLVE, "--workers", "0"], "must be a whole number, at least 1, or -1 for all cores, got 0"),
+    (["report", "a.csv", "--workers", "-2"], "or -1 for all cores, got -2"),
+    ([*SOLVE, "--workers", "two"], "or -1 for all cores, got 'two'"),
+    ([*SOLVE, "--tolerance", "0"], "0.0 is not in the range 1e-13<=x<1"),
+    ([*SOLVE, "--seed", "-1"], "-1 is not in the range x>=0"),
+    (["solve", "--trace", "shaft.csv", "--max-gap", "-1"], "-1 is not in the range x>=0"),
     (["solve", "--trace", "shaft.csv", "--columns", "0,x"], "expected whole numbers with commas between, got '0,x'"),
 ]
 

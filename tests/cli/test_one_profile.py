@@ -119,14 +119,16 @@ def test_pressures_and_ohms_of_a_trace_by_one_command(run, shaft, tmp_path, bodi
     assert answer["methods"]["bem"]["resistance"] == pytest.approx(expected.resistance.values, rel=1e-12)
     assert answer["interface"]["mu_1"] == pytest.approx(210e9 / 2.6)
     assert "normalisation" not in answer
-    assert run("solve", *options, "--pressures", "1:10:2MPa", "-o", str(tmp_path / "si.nc"))[0] == 0
+    written = run("solve", *options, "--pressures", "1:10:2MPa", "-o", tmp_path / "si.nc")
+    assert written == (0, "", f"the curves are in {tmp_path / 'si.nc'}\n")
     with xr.open_dataset(tmp_path / "si.nc") as found:
         assert (found.mean_pressure.units, found.mean_pressure.values.tolist()) == ("MPa", [1.0, 10.0])
         assert found.compliance.values.ravel() == pytest.approx(expected.compliance.values, rel=1e-12)
         assert found.compliance.units == "m"
     for path, force in ((tmp_path / "ohms.svg", []), (tmp_path / "old.svg", ["--force"])):
         (tmp_path / "old.svg").write_text("notes")
-        assert run("plot", *options, "--pressures", "1:10:5MPa", *force, path)[0] == 0
+        code, out, err = run("plot", *options, "--pressures", "1:10:5MPa", *force, path)
+        assert (code, out, err) == (0, "", f"the figure is in {path}\n")
         assert "(MPa)" in path.read_text()
     assert "old.svg exists: name another file, or overwrite it by --force" in run("plot", *PROFILE, path)[2]
 

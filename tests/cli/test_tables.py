@@ -184,7 +184,7 @@ def rows(text):
 def test_a_table_goes_to_a_file_and_to_standard_output(run, folder):
     code, out, _ = run("table", "curve.nc")
     assert code == 0
-    assert run("table", "curve.nc", "curves.csv") == (0, "", "")
+    assert run("table", "curve.nc", "curves.csv") == (0, "", "the table is in curves.csv\n")
     assert (folder / "curves.csv").read_text() == out
     assert [float(row["compliance (g_0)"]) for row in rows(out)] == curve().compliance.values.tolist()
     assert {row["phases (rad)"] for row in rows(out)} == {"[0.0, 1.0]"}

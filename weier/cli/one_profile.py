@@ -95,6 +95,7 @@ def solve(output: Path | None, force: bool, workers: int, **given: Any) -> None:
         click.echo(_as_json(call, curves))
     elif stop is None:
         kept.finish(curves)
+        click.echo(f"the curves are in {output}", err=True)
     else:
         kept.save(curves)
         where = f"in {kept.part}" + ("" if force else ", from which the same command goes on")
@@ -126,6 +127,7 @@ def plot(path: Path, force: bool, quantity: str, workers: int, **given: Any) -> 
     if stop is not None:
         raise stop
     call.draw(curves, path, quantity)
+    click.echo(f"the figure is in {path}", err=True)
     check_solved(curves)
 
 

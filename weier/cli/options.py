@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from weier import units
-from weier.checks import checked_numbers
+from weier.checks import checked_numbers, checked_workers
 from weier.data.files import check_target
 from weier.kernels.arrays import Array
 from weier.methods.method import TOLERANCES
@@ -102,7 +102,7 @@ def _read_setting(text: str) -> tuple[str, str, Any]:
 # The required options of a series, and all of its parameters.
 NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}
 SERIES = (*NEEDED.values(), "phases", "seed")
-FILE = click.Path(path_type=Path)
+FILE, COUNT = click.Path(path_type=Path), click.IntRange(min=0)
 SI = (
     "This YAML file has the values of weier.Interface, which may have units, as in E_1: 210 GPa; it may be a scene "
     "with the key interface. Traces have their own lambda_0 and g_0."
@@ -121,13 +121,13 @@ SERIES_OPTIONS = (
         type=Text(_read_phases),
         help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
     ),
-    click.Option(["--seed"], type=int, help="Seed of random phases."),
+    click.Option(["--seed"], type=COUNT, help="Seed of random phases."),
 )
 
 
 def _trace_option(name: str, key: TraceKey) -> click.Option:
     """Return the option of a key of measured heights; several values are separated by commas."""
-    kind: Any = click.Choice(key.kind) if isinstance(key.kind, tuple) else key.kind
+    kind: Any = click.Choice(key.kind) if isinstance(key.kind, tuple) else {int: COUNT}.get(key.kind, key.kind)
     several = key.several and key.kind is not float
     if several:
         one: Callable[[str], Any] = number_or_word if key.kind is object else key.kind
@@ -140,12 +140,12 @@ def _trace_option(name: str, key: TraceKey) -> click.Option:
 TRACE_OPTIONS = tuple(_trace_option(name, key) for name, key in TRACE_KEYS.items() if name != "longest")
 TOLERANCE_OPTION = click.Option(
     ["--tolerance"],
-    type=float,
+    type=click.FloatRange(TOLERANCES.least, TOLERANCES.most, max_open=TOLERANCES.half_open),
     help=f"Accepted error of the compliance, in g_0, in {TOLERANCES}, for all methods that take one, or for auto.",
 )
 WORKERS_OPTION = click.Option(
     ["--workers"],
-    type=int,
+    type=Text(lambda text: checked_workers(number_or_word(text))),
     default=1,
     show_default=True,
     help="Number of processes for several curves; -1 for one per core.",

@@ -77,6 +77,7 @@ def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool)
         click.echo(text, nl=False)
     else:
         write_text(path, text)
+        click.echo(f"the table is in {path}", err=True)
 
 
 @click.command(
