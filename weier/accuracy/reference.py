@@ -51,10 +51,10 @@ def deviation(values: Array, right: Any) -> Array:
 
 
 def digits(values: Array, right: Any) -> Array:
-    """Return the correct digits, -log10 of the relative error, from 0 to 16; NaN where unknown."""
+    """Return the correct digits, log10 of value over error, from 0 to 16; NaN where unknown."""
     size = np.abs(np.asarray(right, np.float64))
     with np.errstate(divide="ignore"):
-        found = np.clip(-np.log10(deviation(values, right) / np.maximum(size, TINY)), 0.0, MAX_DIGITS)
+        found = np.clip(np.log10(np.maximum(size, TINY) / deviation(values, right)), 0.0, MAX_DIGITS)
     return np.where((size < TINY) & (np.abs(values) <= TINY), MAX_DIGITS, found)
 
 
