@@ -97,11 +97,6 @@ def test_the_pressure_of_a_curve_comes_back_within_its_error(surface):
         perfect.find_pressure(surface, resistance=1e-10)
 
 
-def test_a_name_that_is_no_body_is_answered_by_the_nearest_one():
-    with pytest.raises(TypeError, match=r"^Interface takes mu_1, .*, got 'nu1': did you mean 'nu_1'\?$"):
-        weier.Interface(E_1=210e9, nu1=0.3, E_2=120e9, nu_2=0.34, rho_1=2e-7, rho_2=2e-8)
-
-
 def test_pressures_are_a_list():
     with pytest.raises(ValueError, match=r"pressure must be a list of pressures, got an array of shape \(2, 2\)"):
         SCALED.solve(weier.Profile(1.25, 5, 2), np.full((2, 2), 1e6), "demelio")

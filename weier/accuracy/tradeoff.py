@@ -151,8 +151,8 @@ def main(scene: Path, figure: Path) -> list[str]:
     these tolerances of the compliance, in g_0. `bem kept 12` has the paper's 12 points for each of the finest waves
     and keeps the staircase, and `layer 24` has 24 points a wave.
 
-    Errors are distances from the exact contact: closed forms for one wave and for full contact, and otherwise contact
-    patches at a tolerance of 1e-12 on the same profile shifted along x. The error of the compliance h is in g_0, that
+    Errors are distances from the exact contact: the closed form for one wave, and otherwise contact patches at a
+    tolerance of 1e-12 on the same profile shifted along x. The error of the compliance h is in g_0, that
     of the resistance R is relative to the larger of R and 1 g_0/p_0*. The quantiles are over all loads of all
     profiles, and stated errors are those of the method itself.
 

@@ -6,18 +6,18 @@ By (7) and (2) the units are lambda_0, g_0, p_0* = 2 pi M g_0/lambda_0 and M (rh
 
 from __future__ import annotations
 
-import inspect
 import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
+from inspect import signature
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier import units
-from weier.checks import checked_number, checked_numbers, suggestion
+from weier.checks import checked_number, checked_numbers
 from weier.data.curves import contact_pressure
 from weier.data.markdown import significant
 from weier.data.si import CONVERT_DATASET, check_normalised, converted, scaled
@@ -64,14 +64,6 @@ class Bodies:
     hardness_2: float | None = None
     E_1: InitVar[float | None] = None
     E_2: InitVar[float | None] = None
-    __signature__: ClassVar[inspect.Signature]  # restores the signature that `__new__` hides
-
-    def __new__(cls, **given: Any) -> Self:
-        """Refuse unknown names with the nearest known one, before the generated `__init__` does."""
-        known = cls.__signature__.parameters
-        for name in given.keys() - known.keys():
-            raise TypeError(f"Interface takes {', '.join(known)}, got {name!r}{suggestion(name, known)}")
-        return super().__new__(cls)
 
     @classmethod
     def from_texts(cls, given: Mapping[str, Any]) -> Self:
@@ -79,7 +71,8 @@ class Bodies:
         try:
             return cls(**{name: units.parsed(name, value, _unit(name)) for name, value in given.items()})
         except TypeError as error:  # a name is missing or unknown
-            raise ValueError(str(error).removeprefix(f"{Bodies.__name__}.__init__() ")) from None
+            names = ", ".join(signature(cls).parameters)
+            raise ValueError(f"{str(error).partition(' ')[2]}: two bodies have {names}") from None
 
     def __post_init__(self, E_1: float | None, E_2: float | None) -> None:
         moduli = {
@@ -308,9 +301,6 @@ class Bodies:
         if hasattr(normalised, "to_dataset"):  # a curve of a trace has a scale of its own
             raise ValueError(f"normalised must be numbers, got a DataArray: {CONVERT_DATASET}")
         return scaled(numbers, self.scales[unit][0])
-
-
-Bodies.__signature__ = inspect.Signature(list(inspect.signature(Bodies.__init__).parameters.values())[1:])
 
 
 def _unit(name: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -15,15 +15,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-class Labelled(Protocol):
-    """One case, indexed by variable names: a Dataset without the dimension `case`, or a row of arrays."""
-
-    def __getitem__(self, name: str) -> Any:
-        """Return the values of a variable."""
-
-
+Case: TypeAlias = Any  # a Dataset without the dimension `case`, or a row of arrays, by names of variables
 CONTACT_PRESSURE = "contact_pressure"  # a column of tables only; results do not contain it
-AnyCase = TypeVar("AnyCase", bound=Labelled)
 # Contact counts as full above this fraction of the compliance at full contact, as a linear axis shows no difference.
 FULL_CONTACT_COMPLIANCE = 0.99
 
@@ -33,15 +26,15 @@ def cases(studies: Iterable[xr.Dataset]) -> list[xr.Dataset]:
     return [study.isel(case=case) for study in studies for case in range(study.sizes["case"])]
 
 
-def groups(cases: Iterable[AnyCase], *names: str) -> list[list[AnyCase]]:
+def groups(cases: Iterable[Case], *names: str) -> list[list[Case]]:
     """Return the cases, grouped by the values of the named coordinates, in order of appearance."""
-    members: dict[tuple[float, ...], list[AnyCase]] = {}
+    members: dict[tuple[float, ...], list[Case]] = {}
     for case in cases:
         members.setdefault(tuple(float(case[name]) for name in names), []).append(case)
     return list(members.values())
 
 
-def curve(case: Labelled, name: str, method: str | None) -> Array | None:
+def curve(case: Case, name: str, method: str | None) -> Array | None:
     """Return the values of a variable over the loads by one method, or None if it has none."""
     methods = np.asarray(case["solution_method"]).tolist()
     if method not in methods:
@@ -65,7 +58,7 @@ def with_contact_pressure(data: xr.Dataset) -> xr.Dataset:
     return data.assign({CONTACT_PRESSURE: contact_pressure(data["mean_pressure"], data["contact_fraction"])})
 
 
-def most_accurate(study: Labelled) -> tuple[Flags, Indices]:
+def most_accurate(study: Case) -> tuple[Flags, Indices]:
     """Return whether a numerical method solved each case of a study, and the column of the most accurate one."""
     methods, h = np.asarray(study["solution_method"]).tolist(), np.asarray(study["compliance"])
     columns = [methods.index(name) for name in numerical_names() if name in methods]
@@ -75,12 +68,12 @@ def most_accurate(study: Labelled) -> tuple[Flags, Indices]:
     return solved.any(axis=1), np.array(columns)[np.argmax(solved, axis=1)]
 
 
-def numerical_methods(case: Labelled) -> Iterator[str]:
+def numerical_methods(case: Case) -> Iterator[str]:
     """Yield the numerical methods that solved the case, the most accurate first."""
     return (method for method in numerical_names() if curve(case, "compliance", method) is not None)
 
 
-def numerical_method(case: Labelled) -> str | None:
+def numerical_method(case: Case) -> str | None:
     """Return the most accurate numerical method that solved the case, or None."""
     return next(numerical_methods(case), None)
 
@@ -106,7 +99,7 @@ def full_contact_loads(study: xr.Dataset) -> Array:
     return np.where(full.any(axis=1), loads[np.argmax(full, axis=1)], loads[-1])
 
 
-def profile(case: Labelled) -> Profile:
+def profile(case: Case) -> Profile:
     """Return the profile of a case from its coordinates; for m = inf the seed or one phase defines the phases."""
     listed = np.asarray(case["phases"])
     series: dict[str, Any] = {name: float(case[name]) for name in PARAMETERS}
@@ -116,7 +109,7 @@ def profile(case: Labelled) -> Profile:
     return Profile(**series, phases=phase if np.isfinite(phase) else random_phases(int(case["seed"])))
 
 
-def phase_angle(case: Labelled) -> float:
+def phase_angle(case: Case) -> float:
     """Return the phase of the second term, from 0 to pi: the mirror image of a profile, -phi, has the same curves."""
     phase = np.asarray(case["phases"])
     return float(np.arccos(np.cos(phase[1]))) if phase.size > 1 and np.isfinite(phase[1]) else 0.0

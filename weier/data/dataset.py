@@ -4,18 +4,15 @@ A file holds `case` x `solution_method` x `mean_pressure`; the parameters of a c
 coordinates. `status` gives the reason where numbers are missing. Curves that may exceed memory are added one variable
 at a time.
 
-Chunks and compression are measured on 4800 cases of 4 methods at 40 loads, 61 MB of ten variables, uncompressed
-read in 0.24 s: with chunks of one method and deflate 1 they take 9.2 MB, 0.40 s to write and 0.16 s to read. Chunks
-of a megabyte hold 16 000 cases at 8 loads, of which docs/cluster.md has the seconds. Deflate 4 saves 4 % and takes
-twice as long to write; a chunk a case takes 23 MB. Fletcher's checksum takes 4 bytes a chunk and no time that could
-be measured, and detects corruption on disk.
+Deflate 4 instead of 1 saves 4 % and takes twice as long to write. Fletcher's checksum takes no time that could be
+measured, and detects corruption on disk. Chunks are those of netCDF: chunks of one method took as much.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +28,6 @@ from weier.data.variables import COORDINATES, RUN, VARIABLES
 from weier.kernels.arrays import Array
 from weier.units import NORMALISED_PRESSURE
 
-CHUNK_BYTES = 2**20  # uncompressed size of a chunk: whole cases, one method
 PACKED: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 # Variables over dimensions that no curve has are in a group, since a table of a whole file repeats each value over
 # all dimensions. Readers without groups find the curves in the root.
@@ -48,8 +44,7 @@ def curve(
     arrays = {name: value for name, value in values.items() if np.ndim(value) > 0}
     scalars = {name: value for name, value in values.items() if np.ndim(value) == 0}
     data: dict[str, Any] = {
-        name: (_over_loads(name), value, variables.attributes(name) | variables.ancillary(name, arrays))
-        for name, value in arrays.items()
+        name: (_over_loads(name), value, variables.attributes(name)) for name, value in arrays.items()
     }
     coordinates: dict[str, Any] = {
         name: (("term",) * np.ndim(value), value, variables.attributes(name)) for name, value in labels.items()
@@ -106,9 +101,6 @@ def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written",
 
 def write_file(data: xr.Dataset, path: Path) -> None:
     """Write a dataset into a new file."""
-    data = data.copy()
-    for name in data.data_vars:
-        data[name].attrs |= variables.ancillary(str(name), data.data_vars)
     grouped = [name for name, values in data.data_vars.items() if {*values.dims} & {*GROUPED}]
     details = data[grouped].reset_coords(drop=True).drop_attrs(deep=False)
     root = data.drop_vars(grouped).drop_dims(GROUPED, errors="ignore")
@@ -121,24 +113,11 @@ def _encoding(data: xr.Dataset) -> dict[Any, dict[str, Any]]:
     """Return the encoding of each variable; texts become characters, since netCDF does not compress strings."""
     found: dict[Any, dict[str, Any]] = {}
     for name, values in data.variables.items():
-        if values.dtype.kind in "UO":
-            found[name] = PACKED | {"dtype": "S1"}
-        elif values.ndim:
-            found[name] = PACKED | {"chunksizes": _chunks(values.dims, values.shape, values.dtype.itemsize)}
-        else:
-            found[name] = {}
+        is_text = values.dtype.kind in "UO"
+        found[name] = (PACKED if is_text or values.ndim else {}) | ({"dtype": "S1"} if is_text else {})
         if name in data.coords:  # CF allows no missing values in coordinates
             found[name]["_FillValue"] = None
     return found
-
-
-def _chunks(dims: Iterable[Any], shape: Iterable[int], itemsize: int) -> list[int]:
-    """Return chunks of whole cases by one method."""
-    dims = list(dims)
-    chunk = [1 if dim == "solution_method" and len(dims) > 1 else size for dim, size in zip(dims, shape, strict=True)]
-    if dims[0] == "case":
-        chunk[0] = min(chunk[0], max(1, CHUNK_BYTES // (itemsize * int(np.prod(chunk[1:])))))
-    return [max(1, size) for size in chunk]
 
 
 def append(values: xr.DataArray, path: Path, coordinates: Mapping[Any, xr.DataArray]) -> None:

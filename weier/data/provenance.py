@@ -11,8 +11,7 @@ import platform
 from datetime import UTC, datetime
 from functools import cache
 
-from weier.digests import PACKAGE, PACKAGES
-from weier.digests import versions as package_versions
+from weier.digests import PACKAGE, versions
 
 NORMALISED = (
     "Lengths along x are in lambda_0, heights, gaps and compliance in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, "
@@ -26,19 +25,15 @@ PAPER = (
     "M. Ciavarella, G. Murolo, G. Demelio, J. R. Barber, Elastic contact stiffness and contact resistance for the "
     "Weierstrass profile, J. Mech. Phys. Solids 52 (2004) 1247-1265, doi:10.1016/j.jmps.2003.12.002"
 )
-SUMMARY = (
-    "Elastic compliance and electrical contact resistance against mean pressure of Weierstrass or measured profiles "
-    "pressed on a plane: closed-form estimates, numerical solutions, and bounds on the infinite series, by method."
-)
-KEYWORDS = "contact mechanics, contact resistance, contact stiffness, rough surface, fractal, Weierstrass profile"
 DEVELOPERS = "The weier developers"
 VERSION = "0.1.0"
 
 # The attributes that all files have in common.
 FIXED = {
     "Conventions": "CF-1.11, ACDD-1.3",
-    "summary": SUMMARY,
-    "keywords": KEYWORDS,
+    "summary": "Elastic compliance and electrical contact resistance against mean pressure of Weierstrass or "
+    "measured profiles pressed on a plane: closed-form estimates, numerical solutions, and bounds, by method.",
+    "keywords": "contact mechanics, contact resistance, contact stiffness, rough surface, Weierstrass profile",
     "project": "weier",
     "references": PAPER,
     "license": "MIT",
@@ -46,17 +41,18 @@ FIXED = {
     "creator_name": DEVELOPERS,
     "creator_type": "group",
     "program": "weier",
+    "product_version": VERSION,
     "metadata_link": "https://doi.org/10.1016/j.jmps.2003.12.002",
 }
 
 
 def attributes(title: str, step: str, scene: str = "", in_si: bool = False) -> dict[str, str]:
     """Return global attributes of a file by its title, the step that made it, the text of its scene and its units."""
-    date, software = run_date(), _program()
+    date = run_date()
     changing = {
         "title": title,
-        "source": f"numerical model: {software}",
-        "history": f"{step} by {software}",
+        "source": f"numerical model: {origin()}",
+        "history": f"{step} by weier {VERSION}",
         "processing_level": step,
         "comment": IN_SI if in_si else NORMALISED,
         "git_commit": commit() or "unknown: not run from a checkout",
@@ -64,7 +60,7 @@ def attributes(title: str, step: str, scene: str = "", in_si: bool = False) -> d
         "date_modified": date,
     }
     units = {} if in_si else {"normalisation": NORMALISED}
-    return FIXED | units | versions() | changing | ({"scene": scene} if scene else {})
+    return FIXED | units | changing | ({"scene": scene} if scene else {})
 
 
 def source_date() -> str:
@@ -85,27 +81,20 @@ def run_date() -> str:
 def result_attributes(title: str = "") -> dict[str, str]:
     """Return the provenance attributes of a result in memory."""
     named = {"title": title} if title else {}
-    return {"program": FIXED["program"], "normalisation": NORMALISED, "references": PAPER, **named, **versions()}
-
-
-@cache
-def versions() -> dict[str, str]:
-    """Return the versions of Python, weier and the packages that numbers depend on, and the commit in a checkout."""
-    from importlib.metadata import version  # its mail parser doubles the import time
-
-    packages = {f"{name.replace('-', '_')}_version": version(name) for name in PACKAGES}
-    own = {"product_version": VERSION, "python_version": platform.python_version()}
-    return own | packages | ({"git_commit": commit()} if commit() else {})
+    return {
+        "program": FIXED["program"],
+        "source": origin(),
+        "normalisation": NORMALISED,
+        "references": PAPER,
+        **named,
+    }
 
 
 @cache
 def origin() -> str:
     """Return the program, the packages and the kind of processor of this process in one line."""
-    return f"{_program()}, {package_versions()}, Python {platform.python_version()}, {platform.machine()}"
-
-
-def _program() -> str:
-    return f"weier {VERSION}" + (f" at {commit()}" if commit() else "")
+    program = f"weier {VERSION}" + (f" at {commit()}" if commit() else "")
+    return f"{program}, {versions()}, Python {platform.python_version()}, {platform.machine()}"
 
 
 @cache

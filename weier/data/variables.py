@@ -5,7 +5,7 @@ To add a variable, add a row: batches, files, figures and pages are derived from
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Sequence
+from collections.abc import Collection, Sequence
 from enum import IntEnum
 from functools import partial
 from typing import Any, NamedTuple
@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier import units
-from weier.methods.curve import QUANTITIES
 
 # Dimensions of variables.
 CASE, LOADS = "case", "mean_pressure"
@@ -268,13 +267,6 @@ def attributes(name: str, unit: str = "") -> dict[str, Any]:
         del known["units"]
     known |= {attribute: text for attribute, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
     return known | (flags(entry.flags) if entry.flags else {})
-
-
-def ancillary(name: str, present: Container[Any]) -> dict[str, str]:
-    """Return the attribute in which CF lists the variables of a file on the quality of a quantity."""
-    names = (*(f"{name}_{part}" for part in ("error", "deviation", "lower", "upper")), "residual", "status")
-    related = [other for other in names if name in QUANTITIES and other in present]
-    return {"ancillary_variables": " ".join(related)} if related else {}
 
 
 def flags(meanings: type[IntEnum]) -> dict[str, Any]:

@@ -149,8 +149,7 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
     with replacing(path) as temporary:
         write_file(data, temporary)
         for name in over_loads:
-            attributes = variables.attributes(name) | variables.ancillary(name, solved.names)
-            one = marked(labels.assign({name: (CURVE, solved.values(name), attributes)}))
+            one = marked(labels.assign({name: (CURVE, solved.values(name), variables.attributes(name))}))
             append(in_units_of(scene, one)[name], temporary, data.coords)
         if scene.in_si and scene.interface:
             judged = [name for name in ("compliance", "contact_fraction") if name in solved.names]
