@@ -92,11 +92,6 @@ def test_a_selection_has_the_same_rows(select):
         assert cases.compliance.size == selected.compliance.size / np.unique(selected.D).size
 
 
-def test_a_selection_that_is_no_curve_any_more_is_refused():
-    with pytest.raises(ValueError, match="has the dimension row, which curves have not: unstack it first"):
-        solved().stack(row=("case", "mean_pressure")).weier.table()
-
-
 def test_what_is_written_over_a_file_that_was_read_is_read(path, tmp_path):
     """netCDF refuses to write what is open, and xarray keeps what it has read."""
     mine = shutil.copyfile(path, tmp_path / "mine.nc")
@@ -170,11 +165,10 @@ def test_negative_labels_that_agree_are_of_one_ensemble():
 
 
 def test_each_set_of_parameters_has_an_ensemble_of_its_own():
-    """Means over the phases alone; a surface that occurs twice, under two names too, counts once."""
+    """Means over the phases alone; a surface that occurs twice counts once."""
     kinds = [(1.25, 3, 2), (1.5, 3, 2), (1.5, 3, 3), (1.5, "5/2", 2)]
     series = [weier.Profile(*kind, seed=seed) for seed in range(3) for kind in kinds]
-    by_phases = weier.Profile(*kinds[1], phases=series[1].phase)
-    data = weier.solve([*series, series[1], by_phases], [0.1, 1.0], ["bem", "demelio"])
+    data = weier.solve([*series, series[1]], [0.1, 1.0], ["bem", "demelio"])
     table = data.weier.ensemble()
     assert [(*row,) for row in table[["D", "gamma", "m"]].drop_duplicates().values] == [
         (D, float(weier.Profile(D, gamma, m).gamma), m) for D, gamma, m in kinds

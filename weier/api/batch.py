@@ -24,6 +24,7 @@ from weier.methods.load_progress import keeping
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.scene.case import Case
+from weier.scene.identity import short_keys
 from weier.surface.limits import resolvable
 from weier.surface.loads import LoadsOf
 from weier.units import NORMALISED_PRESSURE, PASCAL
@@ -154,7 +155,8 @@ def arrays(data: xr.Dataset) -> Arrays:
 
 def describe_case(values_of: Arrays, number: int, case: Case, loads: Array) -> None:
     """Fill in the coordinates of a case."""
-    _store(values_of, {CASE: number}, surface_row(case.profile) | {"key": case.key(loads)})
+    keys = {"key": case.key(loads), "surface_key": short_keys(np.array([case.surface_key]))[0]}
+    _store(values_of, {CASE: number}, surface_row(case.profile) | keys)
 
 
 def _store(curves: Arrays, position: Mapping[str, Any], values: Mapping[str, Any]) -> None:

@@ -48,11 +48,12 @@ def means(data: xr.Dataset) -> pd.DataFrame:
     _check_pressures(data, ensembles)
 
     case, method, load = (axis.ravel() for axis in np.indices([data.sizes[dim] for dim in CURVE]))
-    values: dict[str, Any] = {"ensemble": ensembles[case], "method": method, "load": load, "case": case}
-    values["settings"] = data["settings"].values[case, method] if "settings" in data.data_vars else ""
-    values |= {name: data[name].values.ravel() for name in (*averaged, *(f"{name}_error" for name in with_error))}
+    rows = pd.DataFrame({"ensemble": ensembles[case], "method": method, "load": load, "case": case})
+    rows["settings"] = data["settings"].values[case, method] if "settings" in data.data_vars else ""
+    for name in (*averaged, *(f"{name}_error" for name in with_error)):
+        rows[name] = data[name].values.ravel()
     by = ["ensemble", "method", "load", "settings"]
-    rows = pd.DataFrame(values | {"surface": _surfaces(data)[case]}).dropna(subset=averaged, how="all")
+    rows = rows.assign(surface=_surfaces(data)[case]).dropna(subset=averaged, how="all")
     rows = rows.drop_duplicates([*by, "surface"])
     grouped = rows.groupby(by)
 
@@ -116,22 +117,11 @@ def _clusters(name: str, values: NDArray[Any]) -> Indices:
     return code
 
 
-def _surfaces(data: xr.Dataset) -> Indices:
-    """Return the surface number of each case; equal numbers mean the same surface.
-
-    A trace is known by its digest, a series by its phases, and an infinite one by its seed.
-    """
-    import pandas as pd
-
-    unknown = np.full(data.sizes[CASE], np.nan)
-    phases = data["phases"].values + 0.0 if "phases" in data.coords else unknown[:, None]  # -0 becomes 0
-    seeds = data["seed"].values if "seed" in data.coords else unknown
-    digests = data["trace_digest"].values if "trace_digest" in data.coords else np.full(seeds.size, "")
-    names = digests.astype(object)
-    for case in np.flatnonzero(names == ""):
-        of_seed = ("case", case) if np.isnan(seeds[case]) else float(seeds[case])
-        names[case] = of_seed if np.isnan(phases[case]).all() else phases[case].tobytes()
-    return np.asarray(pd.factorize(names)[0])
+def _surfaces(data: xr.Dataset) -> NDArray[Any]:
+    """Return what tells surfaces apart: the digest of a trace, or a key, which single curves lack."""
+    found = data["surface_key"].values if "surface_key" in data.coords else range(data.sizes[CASE])
+    digests = data["trace_digest"].values if "trace_digest" in data.coords else ""
+    return np.where(np.asarray(digests, str) == "", np.asarray(found, str), digests)
 
 
 def _check_pressures(data: xr.Dataset, ensembles: Indices) -> None:

@@ -23,7 +23,6 @@ from weier.surface.profile import PARAMETERS, checked_ratio
 if TYPE_CHECKING:
     import pandas as pd
 
-MAX_VALUES_IN_MESSAGE = 10  # values listed in a message
 # A dataset of curves has these variables.
 NEEDED = (*PARAMETERS, "solution_method", "mean_pressure")
 
@@ -135,26 +134,17 @@ class CurvesAccessor:
 def as_cases(data: xr.Dataset) -> xr.Dataset:
     """Return curves with the dimensions of the table of variables, in its order, whatever was selected from them.
 
-    A dimension that was selected away is added with size 1. ValueError is raised if a variable that describes a curve
-    is missing, or if dimensions were stacked.
+    A dimension that was selected away is added with size 1.
     """
-    if lacking := [name for name in NEEDED if name not in data.variables]:
-        raise ValueError(
-            f"the dataset holds no curves, since there is no {lacking[0]}: take a result of weier.solve, or a file "
-            "of curves"
-        )
     changed = dict[Hashable, xr.Variable]()
     for label, variable in data.variables.items():
         known = VARIABLES.get(str(label))
         dims: tuple[Hashable, ...] = known.dims if known else variable.dims or ("case",)
-        if strange := [str(dim) for dim in variable.dims if dim not in dims]:
-            raise ValueError(f"{label} has the dimension {strange[0]}, which curves have not: unstack it first")
         if variable.dims != dims:
-            sizes = {dim: data.sizes.get(dim, 1) for dim in dims}
-            changed[label] = variable.set_dims(sizes).transpose(*dims)
+            changed[label] = variable.set_dims({dim: data.sizes.get(dim, 1) for dim in dims})
     # A coordinate that becomes a dimension needs a new index.
     kept = {label: variable for label, variable in data.variables.items() if label not in changed}
-    return xr.Dataset(kept | changed, attrs=data.attrs).set_coords(list(data.coords)) if changed else data
+    return xr.Dataset(kept | changed, attrs=data.attrs).set_coords(list(data.coords))
 
 
 def name_cases(data: xr.Dataset) -> xr.Dataset:
@@ -213,6 +203,5 @@ def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
     absent = [shown(value) for value, column in zip(wanted, fits.T, strict=True) if not column.any()]
     if absent or not wanted:
         texts = [text for value in np.unique(labels) if (text := label_text(value))] or ["none"]
-        known = [*texts[:MAX_VALUES_IN_MESSAGE], *["..."] * (len(texts) > MAX_VALUES_IN_MESSAGE)]
-        raise ValueError(f"no case has {name} = {(absent or ['[]'])[0]}: choose from {', '.join(known)}")
+        raise ValueError(f"no case has {name} = {(absent or ['[]'])[0]}: choose from {', '.join(texts):.200}")
     return np.asarray(fits.any(axis=1))

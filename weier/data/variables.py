@@ -114,7 +114,7 @@ VARIABLES = {
     ),
     "term": Variable(("term",), "number of the term, from 0", symbol="n", dtype="i4", content=LABEL),
     "key": _label("digest of the surface, the methods with their settings, and the loads of the case", dtype="O"),
-    "surface_key": _label("digest of the surface of the case, without methods and loads", dtype="O", optional=True),
+    "surface_key": _label("digest of the surface of the case, without methods and loads", dtype="O"),
     "D": _label("fractal dimension", symbol="D"),
     "gamma": _label("ratio of successive wavelengths", symbol="gamma"),
     "m": _label("number of terms of the series", symbol="m"),

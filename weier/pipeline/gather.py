@@ -57,7 +57,7 @@ class Solved:
     def names(self) -> list[str]:
         """The variables that these cases have, in the order of the table."""
         numerical = any(find_method(method).numerical for method in self.methods)
-        returned = {"surface_key", "origin", *returned_by(self.methods), *(BOUNDS if numerical else ())}
+        returned = {"origin", *returned_by(self.methods), *(BOUNDS if numerical else ())}
         if not provenance.source_date():
             returned.add("seconds")
         if any("trace" in part.product.axes for part, *_ in self._surfaces):
