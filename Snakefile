@@ -10,26 +10,22 @@ min_version("9.0")
 
 VERSION = "0.1.0"  # this workflow and the package of its jobs have this version
 CHECKOUT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
-# The package next to this file takes precedence, here and in the jobs, in any working folder. A workflow without it,
-# for example from snakedeploy, uses the installed package.
+# Jobs run the Python of Snakemake, or of their own environment. The package next to this file takes precedence, here
+# and in jobs; a workflow without it, for example from snakedeploy, uses the installed package.
+first = {"PATH": Path(sys.executable).parent}
 if (CHECKOUT / "weier").is_dir():
     sys.path.insert(0, str(CHECKOUT))
-    elsewhere = filter(None, [os.environ.get("PYTHONPATH")])
-    os.environ.update(PYTHONPATH=os.pathsep.join([str(CHECKOUT), *elsewhere]))
+    first["PYTHONPATH"] = CHECKOUT
+for name, folder in first.items():
+    elsewhere = filter(None, [os.environ.get(name)])
+    os.environ[name] = os.pathsep.join([str(folder), *elsewhere])
 
 try:
-    from weier.data.provenance import VERSION as INSTALLED
     import weier.pipeline.workflow
 except ModuleNotFoundError as error:
     raise SystemExit(
-        f"weier: Snakemake needs {error.name} in its own environment: pip install 'weier[pipeline]', or "
+        f"weier: Snakemake needs {error.name} in its own environment: pip install 'weier[pipeline]=={VERSION}', or "
         f"pip install --require-hashes -r requirements/run.txt of a checkout"
-    )
-
-if INSTALLED != VERSION:
-    raise SystemExit(
-        f"weier: this workflow needs weier {VERSION}, got {INSTALLED} of {sys.modules['weier'].__path__[0]}: "
-        f"pip install 'weier[pipeline]=={VERSION}'"
     )
 
 # Use the scenes of the working folder if it has any, otherwise the scenes of the checkout.
@@ -54,8 +50,7 @@ wildcard_constraints:
     figure=r"[A-Za-z0-9_-]+",
     method=r"[a-z_]+",
     what=rf"[\w.{BETWEEN}-]+",
-    number=r"\d+",
-    jobs=r"\d+",
+    share=r"\d+-of-\d+",
     numerics="[0-9a-f]+",
     missing="[0-9a-f]+",
     stamps=plan.new_digests,
@@ -66,6 +61,10 @@ localrules:
     data,
     figure,
     page,
+
+
+onstart:
+    plan.check_folders()
 
 
 rule all:
@@ -86,12 +85,11 @@ rule compile:
     conda:
         "rules/environment.yaml"
     params:
-        run=command,
         kernels=lambda wildcards, output: Path(output[0]).name,
     message:
         "compile {params.kernels}"
     shell:
-        "{params.run} compile {params.kernels:q} 2>&1 | tee -i {log:q}"
+        "python3 -P -m weier compile {params.kernels:q} 2>&1 | tee -i {log:q}"
 
 
 # The sums over many contacts, which take half as long as the rest and start after it.
@@ -110,107 +108,86 @@ rule solve:
     input:
         kernels=ancient(plan.kernels),
     output:
-        temp(
-            touch(
-                "results/curves/.solved/{what}/{numerics}/{missing}/{number}-of-{jobs}"
-            )
-        ),
+        temp(touch("results/curves/.solved/{what}/{numerics}/{missing}/{share}")),
     log:
-        "results/logs/curves/{what}.{missing}.{numerics}.{number}-of-{jobs}.log",
+        "results/logs/curves/{what}.{missing}.{numerics}.{share}.log",
     priority: 1
     conda:
         "rules/environment.yaml"
     resources:
-        mem_mb=memory,
         runtime=plan.minutes,
     params:
-        run=command,
         scenes=scenes_of,
     message:
-        "solve {wildcards.what}, {wildcards.number} of {wildcards.jobs}"
+        "solve {wildcards.what}, {wildcards.share}"
     shell:
-        "{params.run} curves {wildcards.what:q} {wildcards.number} {wildcards.jobs} {wildcards.numerics}"
-        " results/curves {params.scenes:q} 2>&1 | tee -i {log:q}"
+        "python3 -P -m weier curves {wildcards.what:q} {wildcards.share} {wildcards.numerics} results/curves"
+        " {params.scenes:q} 2>&1 | tee -i {log:q}"
 
 
 # A job makes its share of the products of a scene, since each process spends two seconds on imports. Its folder keeps
-# their stamps, which are named by a digest of what they are made of; the rules below link the files to their places,
-# or copy them where the disk has no links. No rule makes a folder that exists.
+# them by a digest of what they are made of; the rules below copy them to their places. No rule makes a folder that
+# exists.
 rule make:
     input:
         plan.solved,
     output:
-        directory("results/{scene}/.made_of/{what}.{number}-of-{jobs}.{stamps}"),
+        directory("results/{scene}/.made_of/{share}.{stamps}"),
     log:
-        "results/logs/{scene}/make/{what}.{number}-of-{jobs}.{stamps}.log",
+        "results/logs/{scene}/make/{share}.{stamps}.log",
     conda:
         "rules/environment.yaml"
-    resources:
-        mem_mb=memory,
-        runtime=lambda wildcards, attempt: 60 * attempt,
     params:
-        run=command,
         scene=lambda wildcards, output: scene_file(wildcards.scene),
         stamps=plan.stamps,
     message:
-        "{wildcards.scene}: make {wildcards.what}, {wildcards.number} of {wildcards.jobs}"
+        "{wildcards.scene}: make the share {wildcards.share} of the products"
     shell:
-        "{params.run} make {params.scene:q} results/curves {output:q} {params.stamps:q} 2>&1 | tee -i {log:q}"
+        "python3 -P -m weier make {params.scene:q} results/curves {output:q} {params.stamps:q} 2>&1 | tee -i {log:q}"
 
 
 rule data:
     input:
-        made_of=job_of(DATA),
+        made_of(DATA),
     output:
         "results/{scene}/contact.nc",
-        report(
-            "results/{scene}/claims.md",
-            category="{scene}",
-            subcategory="claims",
-            caption="rules/captions/claims.rst",
-        ),
+        report("results/{scene}/claims.md", category="{scene}", subcategory="claims"),
     log:
         "results/logs/{scene}/data.log",
     conda:
         "rules/environment.yaml"
     params:
-        made=files_made,
-        folder=lambda wildcards, output: Path(output[0]).parent,
+        product=DATA,
+        folder="results/{scene}",
     message:
-        "{wildcards.scene}: the data and the claims"
+        "{wildcards.scene}: {params.product}"
     shell:
-        "test -d {params.made:q} || {{ echo 'weier: not made, for the reason in results/logs/{wildcards.scene}/make' | tee {log:q}; exit 1; }}; "
-        "ln -f {params.made:q}/* {params.folder:q} 2>{log:q} || cp {params.made:q}/* {params.folder:q} 2>>{log:q}"
+        "cp {input.folder:q}/{params.product}/*/* {params.folder} 2>&1 | tee {log:q}"
 
 
 use rule data as figure with:
     input:
-        made_of=job_of("{figure}"),
+        made_of("{figure}"),
     output:
         report(
             "results/{scene}/figures/{figure}.png",
             category="{scene}",
             subcategory="figures",
-            labels=labels_of_figure,
         ),
         multiext("results/{scene}/figures/{figure}", ".pdf", ".svg", ".csv"),
     log:
         "results/logs/{scene}/figures/{figure}.log",
-    message:
-        "{wildcards.scene}: {wildcards.figure}"
+    params:
+        product="{figure}",
+        folder="results/{scene}/figures",
 
 
 use rule data as page with:
     input:
-        made_of=job_of(PAGE),
+        made_of(PAGE),
     output:
-        report(
-            "results/{scene}/page.html",
-            category="{scene}",
-            subcategory="curves",
-            labels={"figure": "explorer", "caption": "The curves of the cases"},
-        ),
+        report("results/{scene}/page.html", category="{scene}", subcategory="curves"),
     log:
         "results/logs/{scene}/page.log",
-    message:
-        "{wildcards.scene}: the explorer"
+    params:
+        product=PAGE,

@@ -10,15 +10,14 @@ rule tradeoff:
         "results/logs/tradeoff/measure.log",
     conda:
         "environment.yaml"
-    threads: lambda wildcards: slots()
+    threads: slots
     params:
-        run=command,
         code=digest_of_modules("accuracy", "figures"),
         numerics=plan.numerics,
         study=lambda wildcards, output: Path(output.page).stem,
         scene=lambda wildcards, input: [f"--scene {path}" for path in input],
     shell:
-        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run}.accuracy {params.study} {params.scene} "
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python3 -P -m weier.accuracy {params.study} {params.scene} "
         "> {output.page:q} 2> >(tee -i {log:q} >&2)"
 
 

@@ -38,7 +38,7 @@ def scene_file(tmp_path):
 
 def curves(scene_file, plan=None):
     """The arguments of the job of all curves."""
-    return ["curves", ALL, 0, 1, plan or numerics(), scene_file.parent / "curves", scene_file]
+    return ["curves", ALL, "0-of-1", plan or numerics(), scene_file.parent / "curves", scene_file]
 
 
 def make(scene_file):

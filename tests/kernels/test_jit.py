@@ -110,7 +110,7 @@ WORKFLOW = """
 from functools import partial
 from weier.figures.scene_checks import load_by_name
 from weier.pipeline.workflow import Plan
-Plan(("minimal",), partial(load_by_name, folder="config/scenes"), 1, lambda: False).all_files(None)
+Plan(("minimal",), partial(load_by_name, folder="config/scenes"), 1).all_files(None)
 """
 
 

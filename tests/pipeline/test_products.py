@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from weier.pipeline.products import checksums, files_of, remove_older, stamp_of
+from weier.pipeline.products import files_of, remove_older, stamp_of
+
+FILES = files_of("one")
 
 
 @pytest.fixture
@@ -17,11 +19,11 @@ def made(tmp_path):
 
 def fill(folder, stamp):
     """Make the files of a figure and their stamp, as the rules do."""
-    for file in files_of("one"):
-        (folder / file).parent.mkdir(exist_ok=True)
+    (folder / stamp).mkdir(parents=True)
+    (folder / "figures").mkdir(exist_ok=True)
+    for file in FILES:
         (folder / file).write_text(file)
-    (folder / stamp).parent.mkdir(parents=True)
-    (folder / stamp).write_text(checksums(folder / file for file in files_of("one")))
+        shutil.copy(folder / file, folder / stamp)
     return folder / stamp
 
 
@@ -33,10 +35,10 @@ def test_a_stamp_with_its_files_counts_also_in_a_copy(made, tmp_path):
     assert stamp_of(copy, "one", "a") == (copy / ".made_of/job/one/a", True)
 
 
-@pytest.mark.parametrize("file", files_of("one"))
+@pytest.mark.parametrize("file", FILES)
 @pytest.mark.parametrize("change", [Path.unlink, lambda path: path.write_text("edited")])
 def test_an_edited_file_asks_for_a_stamp_that_is_missing(made, file, change):
-    """Each time by another name, and a file that a killed job has not moved, too."""
+    """Each time by another name, and a file that a killed job has not put into its place, too."""
     folder, first = made
     change(folder / file)
     second, fresh = stamp_of(folder, "one", "a")
@@ -47,8 +49,6 @@ def test_an_edited_file_asks_for_a_stamp_that_is_missing(made, file, change):
     remove_older(stamp.parents[1], "one")
     assert [path.name for path in stamp.parents[2].iterdir()] == ["next"]
     assert stamp_of(folder, "one", "a") == (stamp, True)
-    change(folder / file)
-    assert stamp_of(folder, "one", "a")[0].name not in (first.name, second.name)
 
 
 def test_the_stamps_of_other_products_are_kept(made):

@@ -1,6 +1,5 @@
 """The plan of a run: what is missing, who solves it, and messages that end a run. Planning writes nothing."""
 
-import re
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -54,10 +53,8 @@ def change(folder, old, new):
 
 def solved(plan, product, scene="test"):
     """The jobs that solve curves for the job that makes a product."""
-    what, number, count = re.fullmatch(
-        rf"results/{scene}/\.made_of/(.*)\.(\d+)-of-(\d+)\.\w+", plan.job(scene, product)[0]
-    ).groups()
-    return plan.solved(of(scene=scene, what=what, number=number, jobs=count))
+    share = Path(plan.job(scene, product)[0]).stem
+    return plan.solved(of(scene=scene, share=share))
 
 
 def jobs(found):
@@ -89,8 +86,8 @@ def test_a_figure_may_be_called_all(folder):
     """It is made alone if it is named."""
     change(folder, "  one:", "  all:")
     own = plan()
-    assert own.job("test", "all")[0].startswith("results/test/.made_of/all.0-of-1.")
-    assert len(own.stamps(of(what="all", number="0", jobs="1"))) == 1
+    assert own.job("test", "all")[0].startswith("results/test/.made_of/1-of-4.")
+    assert [stamp.partition("/")[0] for stamp in own.stamps(of(share="1-of-4"))] == ["all"]
 
 
 def test_a_wrong_scene_ends_in_one_sentence(folder):

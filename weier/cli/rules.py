@@ -47,13 +47,12 @@ def compile(methods: Sequence[str]) -> None:
 
 @click.command(hidden=True)
 @click.argument("what")
-@click.argument("number", type=int)
-@click.argument("count", type=int)
+@click.argument("share")
 @click.argument("numerics")
 @click.argument("folder", type=FILE)
 @click.argument("scenes", nargs=-1, type=FILE, required=True)
-def curves(what: str, number: int, count: int, numerics: str, folder: Path, scenes: Sequence[Path]) -> None:
-    """Solve the share NUMBER of COUNT of the curves of SCENES that the store in FOLDER lacks.
+def curves(what: str, share: str, numerics: str, folder: Path, scenes: Sequence[Path]) -> None:
+    """Solve a SHARE, such as 0-of-2, of the curves of SCENES that the store in FOLDER lacks.
 
     WHAT names the products, and NUMERICS is the digest of the planning code. Curves in the store survive Ctrl-C,
     SIGTERM and a kill.
@@ -65,7 +64,7 @@ def curves(what: str, number: int, count: int, numerics: str, folder: Path, scen
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     store = Store(folder, numerics)
     loaded = {path.stem: Curves(weier.load_scene(path), store) for path in scenes}
-    own = missing(what, list(loaded), loaded.__getitem__, number, count)
+    own = missing(what, list(loaded), loaded.__getitem__, share)
     with job("solve", f"{sum(len(part.keys) for part in own)} curves"):
         solve(own, store, origin(), lambda line: click.echo(line, err=True))
 
@@ -76,31 +75,29 @@ def curves(what: str, number: int, count: int, numerics: str, folder: Path, scen
 @click.argument("folder", type=FILE)
 @click.argument("stamps", nargs=-1, type=FILE, required=True)
 def make(scene_file: Path, store: Path, folder: Path, stamps: Sequence[Path]) -> None:
-    """Make the products named by STAMPS from the curves in STORE, with their checksums, in FOLDER.
+    """Make the products named by STAMPS, PRODUCT/DIGEST, from the curves in STORE, in these folders of FOLDER.
 
     Products that cannot be made are reported. The exit code is 1 if none can.
     """
     from weier.figures.make import make_product
     from weier.pipeline.needed_curves import Curves
-    from weier.pipeline.products import FILES, checksums, files_of, remove_older
+    from weier.pipeline.products import remove_older
 
     curves = Curves(weier.load_scene(scene_file), Store(store, numerics()))
     unfinished = folder.with_name(f"{folder.name}.unfinished")  # FOLDER appears only as a whole
     shutil.rmtree(unfinished, ignore_errors=True)
+    made = []
     for stamp in stamps:
         name = stamp.parent.name
-        files = unfinished / name / FILES
-        files.mkdir(parents=True)
         try:
             with job("make", scene_file.stem, name):
-                make_product(curves, stamp, files)
-            sums = checksums(files / Path(file).name for file in files_of(name))
-            (unfinished / stamp).write_text(sums, encoding="ascii")
+                make_product(curves, name, unfinished / stamp)
+            made.append(name)
         except ValueError as error:
             shutil.rmtree(unfinished / name, ignore_errors=True)
             click.echo(f"weier: {error}", err=True)
-    if not (made := [path.name for path in unfinished.iterdir()]):
-        unfinished.rmdir()
+    if not made:
+        shutil.rmtree(unfinished, ignore_errors=True)
         raise click.exceptions.Exit(1)
     unfinished.rename(folder)
     for name in made:

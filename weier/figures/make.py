@@ -10,16 +10,16 @@ from weier.pipeline.needed_curves import Curves
 from weier.pipeline.products import CLAIMS, DATA, PAGE, made_of
 
 
-def make_product(curves: Curves, stamp: Path, folder: Path) -> None:
-    """Make the product of a planned stamp, `PRODUCT/DIGEST`, in a folder.
+def make_product(curves: Curves, name: str, folder: Path) -> None:
+    """Make a product in a folder that is named by the digest of what the plan saw.
 
     ValueError is raised if the scene or the code has changed since, if a curve is not solved, or if a figure cannot
     be drawn.
     """
-    name = stamp.parent.name
     try:
-        if not stamp.name.startswith(made_of(curves, name)):
+        if not folder.name.startswith(made_of(curves, name)):
             raise ValueError(f"{curves.scene.name} or weier has changed since the plan: run snakemake again")
+        folder.mkdir(parents=True)
         _make(curves, folder, name)
     except ValueError as error:
         raise ValueError(f"{name} cannot be made: {error}") from error

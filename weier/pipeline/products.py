@@ -1,18 +1,15 @@
-"""The products of a scene, and the stamps that record what each product was made from.
+"""The products of a scene, and the stamps that tell what each product was made from.
 
-`results/SCENE/.made_of/JOB/PRODUCT/DIGEST` is a stamp. Its name is the digest of the curves that the product reads,
-its entry in the scene and the code that makes it, so that Snakemake only has to make missing folders of jobs. It
-holds the checksums of the product's files, which reveal edited files.
+`results/SCENE/.made_of/JOB/PRODUCT/DIGEST` is a stamp: a folder with the files of the product as they were made. Its
+name is the digest of the curves that the product reads, its entry in the scene and the code that makes it, so that
+Snakemake only has to make missing folders of jobs.
 """
 
 from __future__ import annotations
 
-import hashlib
+import filecmp
 import shutil
-from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 from weier.data.provenance import source_date
 from weier.digests import DIGITS, digest, digest_of_modules, numerics
@@ -23,8 +20,8 @@ from weier.scene.identity import digest_of_keys
 # Products of a scene other than figures: the dataset with the claims, and the explorer. Figure names have no dot.
 DATA, CLAIMS, PAGE = "contact.nc", "claims.md", "page.html"
 FORMATS = ("png", "pdf", "svg", "csv")  # each figure is written in these formats
-STAMPS, FILES = ".made_of", "files"
-DATA_ROOMS, FIGURE_ROOMS = ("data", "scene", "api", "pipeline"), ("data", "scene", "api", "pipeline", "figures")
+STAMPS = ".made_of"
+ROOMS = ("data", "scene", "api", "pipeline", "figures")  # rooms that make products of curves
 
 
 def names_of(scene: Scene) -> list[str]:
@@ -49,15 +46,12 @@ def made_of(curves: Curves, product: str) -> str:
     scene = curves.scene
     studies = studies_of(scene, product)
     cases = [[name, [digest_of_keys(part.case_keys) for part in scene.study(name).products]] for name in studies]
-    common: list[Any] = [scene.name, product, numerics(), cases, curves.digest(studies), repr(scene.interface)]
-    common.append(scene.load_unit)
+    common = [scene.name, product, numerics(), digest_of_modules(*ROOMS), cases, curves.digest(studies)]
     if product == DATA:  # SOURCE_DATE_EPOCH replaces the date and omits the seconds
-        own = [scene.text, source_date(), digest_of_modules(*DATA_ROOMS)]
-    elif product == PAGE:
-        own = [scene.title, digest_of_modules(*FIGURE_ROOMS)]
+        own = [scene.text, source_date()]
     else:
-        own = [repr(scene.figure(product)), digest_of_modules(*FIGURE_ROOMS)]
-    return digest([*common, *own])[:DIGITS]
+        own = [scene.title if product == PAGE else repr(scene.figure(product))]
+    return digest([*common, repr(scene.interface), scene.load_unit, *own])[:DIGITS]
 
 
 def stamp_of(folder: Path, product: str, made_of: str) -> tuple[Path, bool]:
@@ -68,22 +62,15 @@ def stamp_of(folder: Path, product: str, made_of: str) -> tuple[Path, bool]:
     """
     known = sorted((folder / STAMPS).glob(f"*/{product}/{made_of}*"))
     files = [folder / file for file in files_of(product)]
-    if all(file.is_file() for file in files):
-        sums = checksums(files)
-        for stamp in known:
-            if stamp.read_text(encoding="ascii") == sums:
-                return stamp, True
+    for stamp in known:
+        if all(file.is_file() and _same(file, stamp / file.name) for file in files):
+            return stamp, True
     edited = f".{digest([str(path.relative_to(folder)) for path in known])[:DIGITS]}" if known else ""
     return Path(product, f"{made_of}{edited}"), False
 
 
-def checksums(files: Iterable[Path]) -> str:
-    """Return the checksums of files, as the command sha256sum writes them."""
-    lines = []
-    for file in files:
-        with file.open("rb") as content:
-            lines.append(f"{hashlib.file_digest(content, 'sha256').hexdigest()}  {file.name}\n")
-    return "".join(lines)
+def _same(file: Path, other: Path) -> bool:
+    return other.is_file() and filecmp.cmp(file, other, shallow=False)
 
 
 def remove_older(job: Path, product: str) -> None:
@@ -94,6 +81,5 @@ def remove_older(job: Path, product: str) -> None:
     for other in job.parent.glob(f"*/{product}"):
         if other.parent != job:
             shutil.rmtree(other, ignore_errors=True)
-            with suppress(FileNotFoundError):
-                if not any(path.is_dir() for path in other.parent.iterdir()):
-                    shutil.rmtree(other.parent, ignore_errors=True)
+            if not any(other.parent.glob("*/")):
+                shutil.rmtree(other.parent, ignore_errors=True)

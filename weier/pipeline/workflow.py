@@ -37,25 +37,30 @@ BASE_MINUTES, SECONDS_FACTOR = 5, 5
 JOB_SECONDS = 10.0
 
 
+@contextmanager
+def ending_in_one_sentence() -> Iterator[None]:
+    """End the run with a message if a scene or a folder is invalid."""
+    try:
+        yield
+    except (ValueError, OSError) as error:
+        raise SystemExit(f"weier: {error}") from None
+
+
 class Plan:
     """The plan of one run of Snakemake; methods that take `wildcards` are functions for its rules.
 
-    `names` are the scenes of the configuration, `load` finds a scene by its name, `slots` is the number of jobs that
-    can run at once, and `runs` is whether any will, so that folders must be open to writing.
+    `names` are the scenes of the configuration, `load` finds a scene by its name, and `slots` is the number of jobs
+    that can run at once.
     """
 
     def __init__(
-        self,
-        names: Sequence[str],
-        load: Callable[[str], Scene],
-        slots: int,
-        runs: Callable[[], bool] = lambda: True,
-        results: str = "results",
+        self, names: Sequence[str], load: Callable[[str], Scene], slots: int, results: str = "results"
     ) -> None:
         self.names, self.slots, self.results = names, slots, Path(results)
-        self._load, self._runs, self._wants_all = cache(load), runs, False
+        self._load, self._makes_all = load, False
         # Cached, since Snakemake calls them several times.
-        self.curves, self.missing, self.stamp = cache(self._curves), cache(self._missing), cache(self._stamp)
+        self.scene, self.curves = cache(self._scene), cache(self._curves)
+        self.missing, self.stamp = cache(self._missing), cache(self._stamp)
 
     @cached_property
     def numerics(self) -> str:
@@ -67,36 +72,38 @@ class Plan:
         """The solved curves."""
         return Store(self.results / "curves", self.numerics)
 
-    def scene(self, name: str) -> Scene:
-        """Return the scene of this name; the run ends if it has mistakes."""
-        with ending_in_one_sentence():
-            return self._load(name)
+    @ending_in_one_sentence()
+    def _scene(self, name: str) -> Scene:
+        return self._load(name)
 
+    @ending_in_one_sentence()
     def _curves(self, name: str) -> Curves:
         return Curves(self.scene(name), self.store)
+
+    @ending_in_one_sentence()
+    def check_folders(self) -> None:
+        """Refuse folders of results that are closed to writing, before anything runs."""
+        for folder in ("", *self.names):
+            check_target(self.results / folder / "any")
 
     # --- products ---
 
     def all_files(self, wildcards: Any) -> list[str]:
         """Return all products of the scenes of the configuration, with the folders of the jobs that made them."""
-        self._wants_all = True
+        self._makes_all = True
         files = []
-        with ending_in_one_sentence():
-            for name in self.names:
-                if self._runs():
-                    check_target(self.results / "any")
-                    check_target(self.results / name / "any")
-                for product in products.names_of(self.scene(name)):
-                    files += [str(self.results / name / file) for file in products.files_of(product)]
-                    files.append(self.job(name, product)[0])
-            self._announce()
+        for name in self.names:
+            for product in products.names_of(self.scene(name)):
+                files += [str(self.results / name / file) for file in products.files_of(product)]
+                files.append(self.job(name, product)[0])
+        self._announce()
         return files
 
+    @ending_in_one_sentence()
     def _stamp(self, name: str, product: str) -> tuple[Path, bool]:
         """Return the stamp of a product, and whether it is fresh; dates do not matter."""
-        with ending_in_one_sentence():
-            curves = self.curves(name)
-            return products.stamp_of(self.results / name, product, products.made_of(curves, product))
+        curves = self.curves(name)
+        return products.stamp_of(self.results / name, product, products.made_of(curves, product))
 
     def job(self, name: str, product: str) -> tuple[str, bool]:
         """Return the folder of the job that makes a product, or that made it, and whether the product is fresh.
@@ -106,48 +113,41 @@ class Plan:
         stamp, fresh = self.stamp(name, product)
         if fresh:
             return str(stamp.parents[1]), True
-        what, number, count = product, 0, 1
-        if self._is_of_all(name):
-            named = products.names_of(self.scene(name))
-            count = min(self.slots, len(self._stale(name, named)))
-            what, number = ALL, named.index(product) % count
-        stamps = digest(self._share(name, what, number, count))[:DIGITS]
-        return str(self.results / name / products.STAMPS / f"{what}.{number}-of-{count}.{stamps}"), False
+        named = products.names_of(self.scene(name))
+        count = self.slots if self._is_of_all(name) else len(named)
+        share = f"{named.index(product) % count}-of-{count}"
+        stamps = digest(self._stamps(name, share))[:DIGITS]
+        return str(self.results / name / products.STAMPS / f"{share}.{stamps}"), False
 
     def stamps(self, wildcards: Any, output: Any = None) -> list[str]:
         """Return the stamps of the products that a job makes."""
-        return self._share(wildcards.scene, wildcards.what, int(wildcards.number), int(wildcards.jobs))
+        return self._stamps(wildcards.scene, wildcards.share)
 
-    def _share(self, name: str, what: str, number: int, count: int) -> list[str]:
-        """Return the stamps of a job's share, independently of the progress of other jobs."""
-        named = products.names_of(self.scene(name))[number::count] if what == ALL else [what]
-        return self._stale(name, named)
-
-    def _stale(self, name: str, named: Sequence[str]) -> list[str]:
-        """Return the stamps of products that are not up to date."""
-        return [str(path) for path, fresh in (self.stamp(name, product) for product in named) if not fresh]
+    def _stamps(self, name: str, share: str) -> list[str]:
+        """Return the stamps of a share of the products, but of those that are fresh."""
+        stamps = [self.stamp(name, product) for product in dealt(products.names_of(self.scene(name)), share)]
+        return [str(stamp) for stamp, fresh in stamps if not fresh]
 
     def _is_of_all(self, name: str) -> bool:
-        return self._wants_all and name in self.names
+        return self._makes_all and name in self.names
 
     @property
     def new_digests(self) -> str:
         """A pattern that matches digests of missing folders of jobs only, since no rule makes existing ones."""
-        known = {path.name.rpartition(".")[2] for path in self.results.glob(f"*/{products.STAMPS}/*")}
+        known = {path.suffix[1:] for path in self.results.glob(f"*/{products.STAMPS}/*")}
         return rf"(?!({'|'.join(sorted(known))})$)[0-9a-f]+" if known else "[0-9a-f]+"
 
     # --- curves ---
 
     def solved(self, wildcards: Any) -> list[str]:
         """Return the jobs that solve the missing curves of the products that a job makes."""
-        name, jobs = wildcards.scene, list[str]()
-        for stamp in self.stamps(wildcards):
-            own = f"{name}{BETWEEN}{Path(stamp).parent.name}"
-            with ending_in_one_sentence():
-                if self.missing(own):
-                    jobs += self._jobs(ALL if self._is_of_all(name) else own)
-        return list(dict.fromkeys(jobs))
+        name = wildcards.scene
+        if self._is_of_all(name):
+            return self._jobs(ALL)
+        named = dealt(products.names_of(self.scene(name)), wildcards.share)
+        return [job for product in named for job in self._jobs(f"{name}{BETWEEN}{product}")]
 
+    @ending_in_one_sentence()
     def _missing(self, what: str) -> list[Part]:
         return missing(what, self.names, self.curves)
 
@@ -155,14 +155,14 @@ class Plan:
         """Return the jobs that solve the missing curves: at most `slots`, and none too short."""
         parts = self.missing(what)
         curves, seconds = sum(len(part.keys) for part in parts), _seconds(parts)
-        count = max(1, min(self.slots, curves, math.ceil(seconds / JOB_SECONDS)))
+        count = min(self.slots, curves, math.ceil(seconds / JOB_SECONDS))
         keys = digest([[part.kind.name, digest_of_keys(part.keys)] for part in parts])[:DIGITS]
         folder = self.results / "curves" / ".solved" / what / self.numerics / keys
         return [str(folder / f"{number}-of-{count}") for number in range(count)]
 
     def minutes(self, wildcards: Any, attempt: int) -> int:
         """Return the minutes that a job of curves may need, more at each attempt."""
-        seconds = _seconds(self.missing(wildcards.what)) / int(wildcards.jobs)
+        seconds = _seconds(self.missing(wildcards.what)) / numbers(wildcards.share)[1]
         return round(attempt * (BASE_MINUTES + SECONDS_FACTOR * seconds / 60))
 
     def kernels(self, wildcards: Any) -> list[str]:
@@ -196,19 +196,29 @@ def _seconds(parts: Iterable[Part]) -> float:
     return float(sum(part.seconds.sum() for part in parts))
 
 
-def missing(
-    what: str, names: Sequence[str], curves: Callable[[str], Curves], number: int = 0, count: int = 1
-) -> list[Part]:
+def numbers(share: str) -> tuple[int, int]:
+    """Return the number of a share, such as 0-of-2, and that of all shares."""
+    number, count = map(int, share.split("-of-"))
+    return number, count
+
+
+def dealt(names: Sequence[str], share: str) -> Sequence[str]:
+    """Return a share of some names."""
+    number, count = numbers(share)
+    return names[number::count]
+
+
+def missing(what: str, names: Sequence[str], curves: Callable[[str], Curves], job: str = "") -> list[Part]:
     """Return curves that the store lacks, of ALL products of the named scenes or of one, SCENE~PRODUCT.
 
-    They are the share of job `number` of `count`, which does not depend on what others have solved meanwhile.
+    The share of a `job` such as 0-of-2 does not depend on what others have solved meanwhile.
     """
     if what == ALL:
         wanted = [part for name in names for part in curves(name).parts_for()]
     else:
         name, _, product = what.partition(BETWEEN)
         names, wanted = [name], curves(name).parts_for(products.studies_of(curves(name).scene, product))
-    return curves(names[0]).store.lacking(wanted if count == 1 else share(wanted, number, count))
+    return curves(names[0]).store.lacking(share(wanted, *numbers(job)) if job else wanted)
 
 
 def kernels_file(kernels: str) -> str:
@@ -238,12 +248,3 @@ def names_of_scenes(config: Mapping[str, Any]) -> list[str]:
                 "is a number, or name it in a file for --configfile, with quotes"
             )
         return list(dict.fromkeys(name.strip() for name in given.split(",")))
-
-
-@contextmanager
-def ending_in_one_sentence() -> Iterator[None]:
-    """End the run with a message if a scene or a folder is invalid."""
-    try:
-        yield
-    except (ValueError, OSError) as error:
-        raise SystemExit(f"weier: {error}") from None
