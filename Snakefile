@@ -47,20 +47,9 @@ include: "rules/accuracy.smk"
 
 wildcard_constraints:
     scene=r"[A-Za-z0-9_-]+",
-    figure=r"[A-Za-z0-9_-]+",
-    method=r"[a-z_]+",
     what=rf"[\w.{BETWEEN}-]+",
     share=r"\d+-of-\d+",
-    numerics="[0-9a-f]+",
-    missing="[0-9a-f]+",
     stamps=plan.new_digests,
-
-
-localrules:
-    all,
-    data,
-    figure,
-    page,
 
 
 onstart:
@@ -118,8 +107,9 @@ rule solve:
         runtime=plan.minutes,
     params:
         scenes=scenes_of,
+        seconds=plan.seconds,
     message:
-        "solve {wildcards.what}, {wildcards.share}"
+        "solve {wildcards.what}, {wildcards.share}, in about {params.seconds} s"
     shell:
         "python3 -P -m weier curves {wildcards.what:q} {wildcards.share} {wildcards.numerics} results/curves"
         " {params.scenes:q} 2>&1 | tee -i {log:q}"
@@ -154,6 +144,7 @@ rule data:
         report("results/{scene}/claims.md", category="{scene}", subcategory="claims"),
     log:
         "results/logs/{scene}/data.log",
+    localrule: True
     conda:
         "rules/environment.yaml"
     params:

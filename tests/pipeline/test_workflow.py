@@ -80,6 +80,9 @@ def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_i
         monkeypatch.setattr(workflow.Part, "seconds", np.array([seconds]))  # of each part
         found = jobs(solved(plan(slots=slots), "one"))
         assert [job for _, job in found] == [f"{number}-of-{expected}" for number in range(expected)]
+    own, job = plan(), of(what="test~one", share="0-of-4")
+    assert own.seconds(job) == 3 * 1e4 / 4  # of three parts
+    assert [own.minutes(job, attempt) for attempt in (1, 2)] == [630, 1260]
 
 
 def test_a_figure_may_be_called_all(folder):
@@ -100,13 +103,6 @@ def test_a_wrong_scene_ends_in_one_sentence(folder):
     change(folder, "2.25, gamma", "1.25, gamma")
     with pytest.raises(SystemExit, match=r"^weier: a figure of test must be one of one, two, got 'three'"):
         solved(plan(), "three")
-
-
-def test_what_takes_long_is_announced(folder, monkeypatch, capsys):
-    for seconds in (3.0, 400.0):
-        monkeypatch.setattr(workflow.Part, "seconds", np.array([seconds]))  # of each part
-        plan().all_files(of())
-    assert capsys.readouterr().err == "test: 6 curves to solve, in about 1200 s by 2 at once\n"
 
 
 def test_scenes_are_named_by_words_with_commas_between():

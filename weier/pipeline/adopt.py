@@ -42,21 +42,17 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
             solve(sample, store, origin(), lambda line: None)
             identical, within = np.all([_compared(part, store, other) for part in sample], axis=0).tolist()
             accepted = identical or (within_errors and within)
-            record = {
-                "curves": other.numerics,
-                "code": store.numerics,
-                "compared": sum(len(part.keys) for part in sample),
-                "identical": identical,
-                "adopted": accepted,
-            }
             for path in folder.glob(f"[!.]*{SUFFIX}") if accepted else ():
                 with replacing(store.segments(name) / path.name) as temporary:
                     temporary.write_bytes(path.read_bytes())
+            count = sum(len(part.keys) for part in sample)
+            record = {"curves": other.numerics, "code": store.numerics, "compared": count}
+            record |= {"identical": identical, "adopted": accepted}
             write_text(store.segments(name) / RECORD, json.dumps(record, indent=1) + "\n")
             store = Store(store.folder, store.numerics)  # a new store reads the copies
             agree = "the same bits" if identical else "within the stated errors" if within else "they differ"
             verdict = "adopted" if accepted else "not adopted"
-            say(f"{name} of {other.numerics}: {record['compared']} curves solved again, {agree}: {verdict}")
+            say(f"{name} of {other.numerics}: {count} curves solved again, {agree}: {verdict}")
             compared += 1
     return compared
 
@@ -83,14 +79,10 @@ def _compared(part: Part, store: Store, other: Store) -> tuple[bool, bool]:
 
 
 def _same(new: Any, old: Any) -> bool:
-    """Return whether two arrays are bitwise identical, except for padding with NaN at their ends."""
-    if new is None or old is None or new.dtype.kind == "U":
-        return np.array_equal(new, old)
-    shape = np.maximum(new.shape, old.shape)
-    both = np.full((2, *shape), np.nan)
-    for one, within in zip((new, old), both, strict=True):
-        within[tuple(map(slice, one.shape))] = one
-    return np.array_equal(both[0], both[1], equal_nan=True)
+    """Return whether two arrays have the same bits, whatever NaN ends their rows."""
+    if new is None or old is None:
+        return new is old
+    return np.array_equal(new[new == new], old[old == old])
 
 
 def _within(values: list[Any], errors: list[Any]) -> bool:

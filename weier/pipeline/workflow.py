@@ -7,17 +7,14 @@ from __future__ import annotations
 
 import math
 import os
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-from weier.api.progress import LONG
 from weier.checks import checked_word, shown
 from weier.data.files import check_target
-from weier.data.markdown import significant
 from weier.digests import DIGITS, digest, numerics
 from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
@@ -96,7 +93,6 @@ class Plan:
             for product in products.names_of(self.scene(name)):
                 files += [str(self.results / name / file) for file in products.files_of(product)]
                 files.append(self.job(name, product)[0])
-        self._announce()
         return files
 
     @ending_in_one_sentence()
@@ -160,10 +156,13 @@ class Plan:
         folder = self.results / "curves" / ".solved" / what / self.numerics / keys
         return [str(folder / f"{number}-of-{count}") for number in range(count)]
 
+    def seconds(self, wildcards: Any, output: Any = None) -> int:
+        """Return the expected seconds of a job of curves."""
+        return round(_seconds(self.missing(wildcards.what)) / int(wildcards.share.partition("-of-")[2]))
+
     def minutes(self, wildcards: Any, attempt: int) -> int:
         """Return the minutes that a job of curves may need, more at each attempt."""
-        seconds = _seconds(self.missing(wildcards.what)) / numbers(wildcards.share)[1]
-        return round(attempt * (BASE_MINUTES + SECONDS_FACTOR * seconds / 60))
+        return round(attempt * (BASE_MINUTES + SECONDS_FACTOR * self.seconds(wildcards) / 60))
 
     def kernels(self, wildcards: Any) -> list[str]:
         """Return the marker files of the compiled kernels that the missing curves need.
@@ -181,30 +180,14 @@ class Plan:
         methods = {method.name: method for name in named for method in methods_run_by(name) if method.numerical}
         return sorted(kernels_file(share) for method in methods.values() for share in method.kernels)
 
-    def _announce(self) -> None:
-        """Print the expected time of missing curves, for each scene that takes long."""
-        for name in self.names:
-            own = self.store.lacking(self.curves(name).parts_for())
-            seconds = _seconds(own) / self.slots
-            count = sum(len(part.keys) for part in own if part.kind.method != SURFACE)
-            if seconds > LONG:
-                about = f"in about {significant(seconds, 2)} s by {self.slots} at once"
-                print(f"{name}: {count} curves to solve, {about}", file=sys.stderr, flush=True)
-
 
 def _seconds(parts: Iterable[Part]) -> float:
     return float(sum(part.seconds.sum() for part in parts))
 
 
-def numbers(share: str) -> tuple[int, int]:
-    """Return the number of a share, such as 0-of-2, and that of all shares."""
-    number, count = map(int, share.split("-of-"))
-    return number, count
-
-
 def dealt(names: Sequence[str], share: str) -> Sequence[str]:
-    """Return a share of some names."""
-    number, count = numbers(share)
+    """Return a share of some names, such as 0-of-2."""
+    number, count = map(int, share.split("-of-"))
     return names[number::count]
 
 
@@ -218,7 +201,7 @@ def missing(what: str, names: Sequence[str], curves: Callable[[str], Curves], jo
     else:
         name, _, product = what.partition(BETWEEN)
         names, wanted = [name], curves(name).parts_for(products.studies_of(curves(name).scene, product))
-    return curves(names[0]).store.lacking(share(wanted, *numbers(job)) if job else wanted)
+    return curves(names[0]).store.lacking(share(wanted, *map(int, job.split("-of-"))) if job else wanted)
 
 
 def kernels_file(kernels: str) -> str:
