@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tests.scenes import curves_in, scene_in, solve_scene, write_data
+from tests.scenes import scene_in, solve_scene, write_data
 from weier.api import batch
 from weier.data import dataset
 from weier.data.variables import Status
@@ -14,37 +14,9 @@ WAVE = {"product": {"D": 1.25, "gamma": 5, "m": 2}}
 ONE_STUDY = {"title": "one", "loads": [0.1, 1.0], "methods": ["demelio"]}
 
 
-@pytest.fixture
-def waves(solutions):
-    return read_study(solutions, "waves")
-
-
 def file_of(curves, folder):
     write_data(curves, folder / "contact.nc")
     return dataset.read(folder / "contact.nc")
-
-
-def test_status_says_why_a_curve_is_missing(waves):
-    expected = [
-        [Status.solved, Status.solved, Status.solved],
-        [Status.not_applicable, Status.solved, Status.solved],
-        [Status.not_applicable, Status.solved, Status.not_applicable],
-    ]
-    assert waves.status.values.tolist() == expected
-    missing = waves.compliance.isnull().all("mean_pressure")
-    assert np.all(missing == (waves.status != Status.solved))
-
-
-def test_a_study_is_read_while_others_are_not_solved(tmp_path):
-    """As a figure of it is drawn while their jobs run."""
-    solve_scene(scene_in(tmp_path, {**ONE_STUDY, "studies": {"one": WAVE}}), tmp_path / "curves")
-    other = {"product": {"D": 1.5, "gamma": 5, "m": 2}}
-    curves = curves_in(
-        scene_in(tmp_path, {**ONE_STUDY, "studies": {"one": WAVE, "other": other}}), tmp_path / "curves"
-    )
-    assert read_study(curves, "one").D.values.tolist() == [1.25]
-    with pytest.raises(ValueError, match=r"^1 curves by .* are not solved: run snakemake again$"):
-        read_study(curves, "other")
 
 
 MIXED = {

@@ -1,8 +1,6 @@
 """Segments of the store: whole or not there, read by key, and named where they are damaged."""
 
-import multiprocessing
 import re
-import signal
 from dataclasses import replace
 
 import numpy as np
@@ -53,7 +51,7 @@ def test_what_is_not_solved_is_named_with_what_to_do(store):
 
 def test_a_damaged_segment_is_named_with_what_to_do(store):
     """Wherever the damage is: it is refused, or has changed no number."""
-    path, names = min((store.folder / KIND.name / "now").iterdir()), ("compliance", "status", "edges")
+    path, names = min((store.folder / KIND.name / "now").iterdir()), ("compliance", "status", "edges", "origin")
     whole, read = path.read_bytes(), [store.read(KIND, KEYS[:4], name) for name in names]
     contents = [whole[: len(whole) // 2], b"", b"not a segment"]
     contents += [whole[:n] + bytes([whole[n] ^ 4]) + whole[n + 1 :] for n in range(0, len(whole), 5)]
@@ -73,50 +71,6 @@ def test_a_damaged_segment_is_named_with_what_to_do(store):
     path.unlink()
     with pytest.raises(ValueError, match=r"^2 curves by bem are not solved"):
         Store(store.folder, "now").read(KIND, KEYS[:4], "compliance")
-
-
-def append_many(folder, first):
-    store = Store(folder, "now")
-    for number in range(first, first + 40, 2):
-        store.append(
-            KIND, dict(zip(keys_of([number, number + 1]), map(row, (number, number + 1)), strict=True)), "test"
-        )
-
-
-def test_two_jobs_append_at_once(tmp_path):
-    """To curves that both have, too."""
-    context = multiprocessing.get_context("fork")
-    jobs = [context.Process(target=append_many, args=(tmp_path, first)) for first in (0, 20)]
-    for job in jobs:
-        job.start()
-    for job in jobs:
-        job.join()
-    assert [job.exitcode for job in jobs] == [0, 0]
-    store = Store(tmp_path, "now")
-    assert len(store.index(KIND.name).files) == 40
-    found = store.read(KIND, keys_of(range(60)), "compliance")
-    assert found[:, 0].tolist() == list(range(60))
-
-
-def killed_while_writing(folder):
-    """Append, and be killed with the next segment written and not yet in place."""
-    from weier.data import files
-
-    store = Store(folder, "now")
-    store.append(KIND, {KEYS[0]: row(0)}, "test")
-    files.os.replace = lambda *paths: signal.raise_signal(signal.SIGKILL)
-    store.append(KIND, {KEYS[1]: row(1)}, "test")
-
-
-def test_what_was_appended_outlives_a_kill(tmp_path):
-    job = multiprocessing.get_context("fork").Process(target=killed_while_writing, args=(tmp_path,))
-    job.start()
-    job.join()
-    assert job.exitcode == -signal.SIGKILL
-    store = Store(tmp_path, "now")
-    assert len(list((tmp_path / KIND.name / "now").iterdir())) == 2  # a segment, and what is no segment
-    assert store.index(KIND.name).keys.tolist() == KEYS[:1].tolist()
-    assert store.read(KIND, KEYS[:1], "compliance").tolist() == [[0, 1]]
 
 
 def test_either_of_two_solutions_of_a_curve_serves(store):

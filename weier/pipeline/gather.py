@@ -72,7 +72,7 @@ class Solved:
     def origins(self) -> list[str]:
         """The programs and processors that solved these curves, in alphabetical order."""
         read = (self._store.read(part.kind, part.keys[numbers], ORIGIN) for part, _, numbers in self._parts)
-        return sorted({str(origin) for found in read if found is not None for origin in np.unique(found)})
+        return sorted({origin for found in read if found is not None for origin in found.tolist()})
 
     def values(self, name: str) -> Values:
         """Return a variable of the table, shape (cases, ...) or (cases, methods, ...)."""
@@ -107,7 +107,8 @@ class Solved:
         if values is None:
             return None
         if name == ORIGIN:
-            return np.searchsorted(self.origins, values)
+            number = {origin: number for number, origin in enumerate(self.origins)}
+            return np.array([number[origin] for origin in values.tolist()])
         loads = part.product.loads
         if LOADS not in VARIABLES[name].dims or loads.size == self.loads.size:
             return values

@@ -33,10 +33,11 @@ DAMAGED = "{} is damaged ({}): move it away and run snakemake again, which solve
 
 
 class Index(NamedTuple):
-    """The rows of a kind: segments with their columns, sorted keys, and the segment and the row of each key."""
+    """The rows of a kind: segments with columns and origin, sorted keys, and the segment and the row of each key."""
 
     files: Sequence[Path]
     columns: Sequence[Collection[str]]
+    origins: Sequence[str]
     keys: Keys
     segment: Indices
     row: Indices
@@ -69,12 +70,13 @@ class Store:
         if not known.all():
             raise ValueError(f"{(~known).sum()} curves by {kind.method} are not solved: run snakemake again")
         segment, row = index.segment[place], index.row[place]
+        if name == ORIGIN:
+            return np.array(index.origins, object)[segment]
         found: dict[int, NDArray[Any]] = {}
         for number in np.unique(segment).tolist():
             if name in index.columns[number]:
                 with opened(index.files[number]) as columns:
-                    values = columns[name]
-                found[number] = values if values.ndim else np.full(int(row.max()) + 1, values)
+                    found[number] = columns[name]
         if not found:
             return None
         shape = np.max([values.shape[1:] for values in found.values()], axis=0).astype(int)
@@ -108,19 +110,20 @@ class Store:
         """Return the rows of a kind."""
         if kind not in self._indices:
             files = sorted(self.segments(kind).glob(f"[!.]*{SUFFIX}"))
-            names, keys = list[Collection[str]](), []
+            names, origins, keys = list[Collection[str]](), [], []
             for file in files:
                 with opened(file) as columns:
                     for member in columns.zip.infolist():
                         columns.zip.open(member).close()  # a damaged name would hide its column
                     names.append(columns.files)
+                    origins.append(str(columns[ORIGIN]))
                     keys.append(columns[KEY])
             every = np.concatenate([np.empty(0, np.uint64), *keys])
             order = np.argsort(every, kind="stable")
             sizes = [len(own) for own in keys]
             segment = np.repeat(np.arange(len(files)), sizes)
             row = np.concatenate([np.empty(0, int), *map(np.arange, sizes)])
-            self._indices[kind] = Index(files, names, every[order], segment[order], row[order])
+            self._indices[kind] = Index(files, names, origins, every[order], segment[order], row[order])
         return self._indices[kind]
 
 
@@ -131,7 +134,8 @@ def opened(file: Path) -> Iterator[Any]:
         with file.open("rb") as content, np.load(content) as columns:  # np.load alone leaves a damaged file open
             yield columns
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError, ValueError, KeyError) as error:
-        if isinstance(error, OSError) and error.errno != errno.EINVAL:  # EINVAL: an offset beyond the end of the file
+        # EINVAL is an offset beyond the end of the file, and bz2 gives no number.
+        if isinstance(error, TimeoutError) or getattr(error, "errno", None) not in (None, errno.EINVAL):
             raise
         raise ValueError(DAMAGED.format(file, error)) from None
 
