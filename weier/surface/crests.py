@@ -30,8 +30,8 @@ MAX_NEWTON_STEPS = 40
 # subdivisions of the interval around a sampled maximum that may hold several crests; odd, for symmetry
 SUBDIVISIONS = 31
 MIN_SEPARATION = 1e-5  # distance of crests, in finest waves; closer crests are equal to rounding
-# middles of the 33 parts of an interval of length 1, with its own middle first: equal heights leave a crest at a node
-PARTS = np.array(sorted(range(-16, 17), key=abs)) / 33
+# middles of nine parts of an interval of length 1, with its own middle first: equal heights leave a crest at a node
+PARTS = np.array(sorted(range(-4, 5), key=abs)) / 9
 MAX_SAMPLED_WAVES = 10**6  # finest waves whose samples take 128 MB
 
 
