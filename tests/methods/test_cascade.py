@@ -103,10 +103,8 @@ def test_finer_tables_change_less_than_their_accuracy(series, monkeypatch):
     monkeypatch.setattr(cascade, "HEAVY_SPACING", 0.02)
     monkeypatch.setattr(cascade, "KINK_OFFSETS", np.geomspace(1e-8, 0.06, 60))
     monkeypatch.setattr(cascade, "CONVERGENCE_TOLERANCE", 1e-9)
-    assert (
-        np.abs(cascade.contact_fraction(p, *series) / usual - 1).max()
-        < (3 if series[-1] > 10 else 1) * cascade.ACCURACY
-    )
+    change = np.abs(cascade.contact_fraction(p, *series) / usual - 1).max()
+    assert change < (3e-4 if series[-1] > 10 else 1e-4)
 
 
 @pytest.mark.parametrize(
@@ -117,13 +115,6 @@ def test_it_is_nearer_to_contact_patches_than_perssons_theory(D, gamma, m, p):
     own, other = (float(theory.contact_fraction(p, D, gamma, m)) for theory in (cascade, persson))
     assert abs(own - exact) < abs(other - exact)
     assert other < own < exact
-
-
-def test_it_has_neither_compliance_nor_resistance():
-    found = solve(Profile(1.25, 5, 3), LOADS, "cascade")
-    assert np.isnan(found.compliance).all()
-    assert np.isnan(found.resistance).all()
-    np.testing.assert_array_equal(found.contact_fraction, cascade.contact_fraction(LOADS, 1.25, 5, 3))
 
 
 def test_series_that_take_too_many_tables_are_refused():

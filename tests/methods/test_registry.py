@@ -1,4 +1,4 @@
-"""What the program derives from the methods that are listed."""
+"""What holds of every method that is listed: what it declares, and that loads do not depend on each other."""
 
 import inspect
 
@@ -8,16 +8,19 @@ import pytest
 from weier import Profile, solve
 from weier.cli import options
 from weier.data.variables import VARIABLES
-from weier.figures import style
 from weier.methods import registry
 from weier.methods.method import Range
-from weier.methods.settings import check_names, checked_settings
+from weier.methods.settings import checked_settings
 from weier.surface.profile import random_phases
 
 INFINITE = Profile(1.02, 10, np.inf, random_phases(1))
+SURFACES = Profile(1.5, 3, 3, np.pi), Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), Profile(1.1, 3, np.inf, random_phases(0))
+LOADS = np.geomspace(0.1, 10, 12)
+CASES = [(method, profile) for method in registry.METHODS for profile in SURFACES if method.takes(profile)]
+every_method = pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
 
 
-@pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
+@every_method
 def test_the_help_tells_which_methods_take_the_infinite_series(method):
     (m,) = (option for option in options.SERIES_OPTIONS if option.name == "m")
     assert (method.name in m.help) == method.infinite == method.takes(INFINITE)
@@ -26,7 +29,7 @@ def test_the_help_tells_which_methods_take_the_infinite_series(method):
         assert np.isfinite(solved.compliance if method.stiffness else solved.contact_fraction).all()
 
 
-@pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
+@every_method
 def test_a_method_says_whether_phases_change_its_curve(method):
     """Numbers of one that says no are those of another profile, to the last bit: batches copy them."""
     for m in (1, 2, 3, np.inf):
@@ -40,7 +43,7 @@ def test_a_method_says_whether_phases_change_its_curve(method):
                 assert np.abs(one - other).max() > 1e-6
 
 
-@pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
+@every_method
 def test_declared_defaults_are_those_of_the_solver(method):
     parameters = inspect.signature(method.solve).parameters.values()
     known = {each.name: each.default for each in parameters if each.default is not each.empty}
@@ -71,15 +74,7 @@ def test_settings_are_taken_in_their_range_and_refused_beyond_it(method, name):
             check(value)
 
 
-def test_no_two_methods_look_alike():
-    """But for the numerical ones: the second is drawn as points beside the first."""
-    assert len({method.style.marker for method in registry.METHODS}) == len(registry.METHODS)
-    lines = [style.line(name) for name in registry.names() if name not in registry.numerical_names()[1:]]
-    for feature in ("color", "linestyle"):
-        assert len({str(line[feature]) for line in lines}) == len(lines)
-
-
-@pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
+@every_method
 def test_what_a_method_returns_is_known_before_it_runs_and_is_in_the_table(method):
     """The method "auto" passes on what that of its choice returns."""
     found = method.solve(Profile(1.5, 2, 1), np.array([0.1, 1.0])).values()
@@ -89,6 +84,15 @@ def test_what_a_method_returns_is_known_before_it_runs_and_is_in_the_table(metho
     assert method.stiffness or "contact fraction alone" in method.summary
 
 
-def test_a_message_names_the_methods_that_have_a_setting():
-    with pytest.raises(ValueError, match='it takes points, accuracy; \'tolerance\' is a setting of "bem", "patches"'):
-        check_names(registry.find_method("layer"), ["tolerance"])
+@pytest.mark.parametrize(("method", "profile"), CASES)
+def test_the_numbers_of_a_load_do_not_depend_on_the_others(method, profile):
+    """On one load, a few and most of them, to the last bit, but for errors of R that chords to all loads bound."""
+    settings = {"tolerance": 0.02} if method is registry.WITHIN_TOLERANCE else {}
+    together, random = method.solve(profile, LOADS, **settings), np.random.default_rng(5)
+    for size in (1, 5, LOADS.size - 1):
+        some = np.sort(random.choice(LOADS.size, size, replace=False))
+        alone = method.solve(profile, LOADS[some], **settings).values()
+        for name, values in together.values().items():
+            if np.ndim(values) > 0 and (name != "resistance_error" or method.name not in ("bem", "auto")):
+                own, others = np.ravel(alone[name]), np.ravel(values[some])  # edges are padded by NaN
+                np.testing.assert_array_equal(own[~np.isnan(own)], others[~np.isnan(others)], name)

@@ -85,17 +85,6 @@ def test_fine_tables_reach_the_tangent_lines(G):
         assert steepest - 1e-9 <= upper[i] <= steepest * (1 + 1e-2)
 
 
-def test_first_contact_tightens_the_steepest_line():
-    p = np.geomspace(1e-3, 3, 50)
-    h = westergaard.compliance(p)
-    without, known = resistance_bounds(p, h, 0.05), resistance_bounds(p, h, 0.05, first_contact=0.0)
-    assert without[1][0] == np.inf
-    assert known[1][0] == pytest.approx((h[0] + 0.1) / p[0], rel=1e-15)
-    assert np.all(known[1] <= without[1])
-    np.testing.assert_array_equal(known[0], without[0])
-    assert known[0][-1] == 0
-
-
 def test_cases_are_bounded_as_if_alone_and_loads_come_in_any_order():
     rng = np.random.default_rng(5)
     p = rng.permutation(np.geomspace(1e-3, 3, 30))

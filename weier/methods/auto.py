@@ -254,11 +254,6 @@ def _check_resistance(solved: Curve, loads: Array, tolerance: float) -> None:
         )
 
 
-def _check(profile: Waves, **settings: Any) -> None:
-    """Refuse a quantity or a tolerance that is out of range, or out of reach."""
-    choose(profile, **settings)
-
-
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
     """Return the expected seconds of the method that is chosen; inf if the tolerance is out of reach."""
     try:
@@ -284,7 +279,7 @@ METHOD = Method(
     },
     takes_traces=True,
     infinite=True,
-    check=_check,
+    check=choose,
     by_load=lambda quantity=COMPLIANCE, **settings: quantity == COMPLIANCE,  # R needs most terms at the heaviest load
     complete=_complete,
     style=Style("#56B4E9", (3, 0.8), "X"),

@@ -27,11 +27,11 @@ from weier.methods.method import CURVE_SECONDS, Method, Style
 from weier.surface.profile import Profile
 
 MIN_LOG_LOAD, MAX_LOG_LOAD = -690.0, math.log(1e4)  # ln xi of a table: heavier waves are flat
-ACCURACY = 1e-4  # relative error of the tables due to the spacings below (tests/methods/test_cascade.py)
 CONVERGENCE_TOLERANCE = 1e-5  # relative change by one more wave below which tables of longer series are the same
 MAX_TABLES = 200  # one table takes some 20 ms
 LIGHT_TABLES = 25  # beyond, 2^-k, the distance of the exponent of F_k from 1, is negligible
-# Spacings of the rows of a table, in arsinh of ln xi below 0 and in ln xi above, and rows on each side of a kink.
+# Spacings of the rows of a table, in arsinh of ln xi below 0 and in ln xi above, and rows on each side of a kink: for
+# a relative error of 1e-4 (tests/methods/test_cascade.py)
 LIGHT_SPACING, HEAVY_SPACING = 0.02, 0.04
 KINK_OFFSETS = np.geomspace(1e-7, 0.06, 24)
 # Nodes and weights of tanh-sinh quadrature on (0, 1), for integrands with singular ends.

@@ -150,7 +150,7 @@ class Method:
     takes_traces: bool = False
     infinite: bool = False
     applies: Callable[..., None] = lambda profile: None
-    check: Callable[..., None] = lambda profile, **settings: None
+    check: Callable[..., object] = lambda profile, **settings: None
     numerical: bool = False
     uses_phases: bool = True
     least_load: float = 0.0

@@ -26,7 +26,6 @@ from weier.surface.profile import Profile
 from weier.surface.series import MAX_EXPONENT, MAX_TERMS, leading_amplitude
 
 NEGLIGIBLE = 40.0  # exp(-40) is below rounding.
-SMALL_LOG = -NEGLIGIBLE  # ln x below which E_1(x) = -ln x - 0.577... to rounding.
 MAX_VALUES = 2**20  # loads times terms in one array: 8 MB
 
 
@@ -121,7 +120,7 @@ def _exponents_and_weights(p: Array, n: Array, rates: Rates) -> tuple[Array, Arr
 
 def _integral(log_x: Array) -> Array:
     """Return E_1(x), also where x underflows."""
-    small = log_x < SMALL_LOG
+    small = log_x < -NEGLIGIBLE  # there E_1(x) = -ln x - 0.577... to rounding
     return np.where(small, -log_x - np.euler_gamma, scipy.special.exp1(np.exp(np.where(small, 0.0, log_x))))
 
 

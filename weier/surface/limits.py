@@ -1,9 +1,8 @@
-"""Limits of the solvers: the number of waves in a period, and of nodes of a grid."""
+"""The limit of solvers on the number of waves in a period."""
 
 from __future__ import annotations
 
-from weier.checks import shown
-from weier.surface.waves import MAX_POINTS, Waves
+from weier.surface.waves import Waves
 
 MAX_WAVES = 100_000  # finest waves per period: 6.4 million nodes by default, 1.2 GB
 
@@ -21,9 +20,3 @@ def check_resolvable(profile: Waves) -> None:
             "exceeds: take fewer terms, a gamma of smaller numbers, such as 5/2, or a method that does not resolve "
             "every wave"
         )
-
-
-def check_points(points: float) -> None:
-    """Refuse a grid whose nodes no computer can hold."""
-    if points > MAX_POINTS:
-        raise ValueError(f"points must be at most {MAX_POINTS}, got {shown(points)}: take fewer")

@@ -44,23 +44,6 @@ def test_compliance_converges_almost_as_the_square_of_the_grid():
     assert by_grid[64] / by_grid[256] == pytest.approx(15, rel=0.1)
 
 
-def test_resistance_is_close_but_where_contacts_are_born():
-    """The derivative of the discrete curve: edges move by whole nodes, so single loads may be far off.
-
-    Half of the errors are below 0.7 %, and the largest is 29 %, as stated in docs/numerics.md.
-    """
-    relative = []
-    for reference in REFERENCES:
-        seen = reference.above(1e-3)
-        partial = seen.resistance > 0
-        found = curve(seen.profile, seen.mean_pressure).resistance
-        relative += list(np.abs(found[partial] / seen.resistance[partial] - 1))
-        assert np.all(found[~partial] == 0)
-    print(f"resistance: median error {np.median(relative):.2%}, largest {np.max(relative):.1%}")
-    assert np.median(relative) < 0.007
-    assert f"{np.max(relative):.0%}" == "29%"
-
-
 def test_one_wave_is_westergaards():
     """Linear elements leave up to 3.3/N^2 while an edge of contact stands between two nodes: 1.25e-5 at 512."""
     loads = np.geomspace(1e-3, 1.5, 200)
@@ -116,21 +99,13 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
     [
         ({"points_per_wave": 16.5}, "points_per_wave of bem must be a whole number"),
         ({"points_per_wave": 16, "tolerance": 0.1}, "a grid takes tolerance or points_per_wave, and not both"),
+        ({"points_per_wave": 2_000_001}, "points must be a whole number, from 1 to 10000000, got 10000005"),
+        ({"staircase": "foo"}, "staircase of bem must be"),
     ],
 )
 def test_bad_grids_are_refused(settings, message):
     with pytest.raises(ValueError, match=message):
         weier.solve(Profile(1.25, 5, 2), [0.1], "bem", **settings)
-
-
-def test_beyond_full_contact_everything_is_known():
-    loads = np.array([1.0, 1e2, 1e17, 1e100, 1e300])
-    found = curve(THREE_WAVES, loads, points=100)
-    assert found.compliance[1:] == pytest.approx(np.full(4, THREE_WAVES.total_amplitude), rel=1e-15)
-    assert found.resistance[1:].tolist() == [0, 0, 0, 0]
-    assert found.contact_fraction[0] < 1 == found.contact_fraction[1]
-    only = curve(THREE_WAVES, loads[1:], points=100)
-    assert only.compliance.tolist() == found.compliance[1:].tolist()
 
 
 def test_what_is_not_a_number_is_an_error():
@@ -161,23 +136,10 @@ def test_a_solution_does_not_depend_on_where_its_parts_end(monkeypatch, load):
     assert found[0] == found[1] == found[2]
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [({"points": 50}, "points must be a whole number above 50"), ({"staircase": "foo"}, "staircase must be")],
-)
-def test_the_curve_of_a_grid_refuses_what_it_cannot_resolve(options, message):
-    with pytest.raises(ValueError, match=message):
-        bem.curve(Profile(1.25, 5, 3), [0.1], **options)
-
-
-def test_fewer_chords_bound_the_error_of_R_as_well(monkeypatch):
-    """In blocks of as many loads; the exact slope of one wave lies within both bounds."""
-    profile, loads = Profile(1.25, 5, 1), np.geomspace(1e-3, 0.9, 50)
-    whole = bem.curve(profile, loads, points=32)
-    monkeypatch.setattr(stated_errors, "MAX_CHORDS", 7)
-    few = bem.curve(profile, loads, points=32)
-    off = abs(few.resistance - westergaard.resistance(loads))
-    assert np.array_equal(few.resistance, whole.resistance)
-    assert np.all(off <= whole.resistance_error)
-    assert np.all(whole.resistance_error <= few.resistance_error * (1 + 1e-12))
-    assert np.any(few.resistance_error > 1.1 * whole.resistance_error)
+def test_more_loads_than_chords_are_bounded_in_blocks():
+    """The exact slope of one wave lies within the bounds, which some of the loads make almost as narrow as all."""
+    loads = np.geomspace(1e-3, 0.9, 5 * stated_errors.MAX_CHORDS // 2)
+    found = bem.curve(Profile(1.25, 5, 1), loads, points=32)
+    assert np.all(abs(found.resistance - westergaard.resistance(loads)) <= found.resistance_error)
+    few = bem.curve(Profile(1.25, 5, 1), loads[::5], points=32)
+    assert np.median(found.resistance_error[::5] / few.resistance_error) < 1

@@ -7,9 +7,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import zeta
 
-from tests.dense import dense_curve
 from tests.reference import REFERENCES
-from weier import Profile, random_phases, solve
+from weier import Profile
 from weier.accuracy.cosines import Cosines
 from weier.methods import patches, westergaard
 from weier.methods.bem import curve, staircase
@@ -222,20 +221,3 @@ def test_contact_is_full_or_has_a_resistance():
     assert np.all((found.resistance == 0) == full)
     assert np.all(found.compliance[full] == pytest.approx(profile.total_amplitude, rel=1e-14))
     assert full[:-1].any()
-
-
-def test_both_solvers_have_the_same_staircase():
-    profile, loads = Profile(1.5, 3, 3, random_phases(4)), np.geomspace(1e-3, 3, 12)
-    found, other = (solver(profile, loads, points=288) for solver in (dense_curve, curve))
-    np.testing.assert_allclose(found.compliance, other.compliance, atol=1e-9)
-    np.testing.assert_allclose(found.resistance, other.resistance, rtol=1e-5, atol=1e-9)
-    np.testing.assert_allclose(found.contact_edge, other.contact_edge, atol=1e-5)
-
-
-def test_points_are_given_for_each_of_the_finest_waves():
-    """The finest of 5/2 and m = 3 fits 25 times into the period, which is 4."""
-    profile, loads = Profile(1.25, "5/2", 3, 1.0), [0.01, 0.3]
-    given = solve(profile, loads, "bem", points_per_wave=16)
-    own = curve(profile, loads, points=400)
-    assert (given.points, given.points_per_wave) == (400, 16)
-    np.testing.assert_array_equal(given.compliance, own.compliance)

@@ -10,9 +10,8 @@ from scipy.fft import dct, idct
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 
-from weier import ConvergenceError, Profile
+from weier import Profile
 from weier.methods import demelio, layer, westergaard
-from weier.methods.layer import fixed_point
 from weier.methods.layer.nonlinear_layer import ACCURACY
 from weier.surface.series import tail_amplitude
 
@@ -107,13 +106,6 @@ def test_light_loads_of_the_infinite_series_satisfy_an_integral_equation(D, gamm
     error = abs(math.log(total)) / log_load(log_h[700], 1)
     print(f"D = {D}, gamma = {gamma}: h = {h:.1e} at xi = {xi[700]:.0e}, off by {error:.1e} of itself")
     assert error < ACCURACY
-
-
-def test_a_fixed_point_that_is_not_reached_is_refused(monkeypatch):
-    monkeypatch.setattr(fixed_point, "MAX_STEPS", 3)
-    with pytest.raises(ConvergenceError, match=r"D = 1.25 and gamma = 5 still changes by .*: choose") as refused:
-        layer.curve(Profile(1.25, 5, math.inf), [0.1])
-    assert refused.value.residual > ACCURACY
 
 
 def test_so_many_scales_that_residuals_of_waves_add_up_have_smaller_ones():

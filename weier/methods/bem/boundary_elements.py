@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.checks import checked_number, checked_word
+from weier.checks import checked_count, checked_word
 from weier.kernels.arrays import Array
 from weier.methods.bem import active_set, stated_errors
 from weier.methods.bem.grids import full_contact_pressure
@@ -23,7 +23,7 @@ from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.errors import ConvergenceError, OutOfReachError
 from weier.methods.load_progress import count_load, keeping
 from weier.methods.method import CURVE_SECONDS, TOLERANCES, Method, Range, Setting, Style, applies_to_resolvable
-from weier.surface.limits import check_points, check_resolvable
+from weier.surface.limits import check_resolvable
 from weier.surface.loads import checked_loads
 from weier.surface.waves import MAX_POINTS, Waves
 
@@ -72,11 +72,8 @@ def curve(
     """
     checked_word("staircase", staircase, ("removed", "kept"))
     check_resolvable(profile)
-    loads, finest = checked_loads(mean_pressure), profile.waves_per_period[-1]
-    condition = f"be a whole number above {2 * finest}, two for each of the {finest} finest waves in a period"
-    given = points_of(profile) if points is None else points
-    points = int(checked_number("points", given, condition, lambda n: n > 2 * finest and n == n // 1))
-    check_points(points)
+    loads, given = checked_loads(mean_pressure), points_of(profile) if points is None else points
+    points = checked_count("points", given, 2 * profile.waves_per_period[-1] + 1, MAX_POINTS)
     full = min(full_contact_load(profile, points), profile.full_contact_load)
     found, partial = list[tuple[NodalSolution, Corrected]](), loads[loads < full]
     corrected = in_continuum if staircase == "removed" else on_nodes
@@ -163,10 +160,10 @@ def _grid(profile: Waves, tolerance: float | None = None, points_per_wave: int |
     """Return the points per period; ValueError if settings exclude each other or it is too fine."""
     points = points_of(profile, tolerance, points_per_wave)
     if tolerance is None:
-        check_points(int(points))
-    elif points_per_wave is not None:
+        return checked_count("points", points, 1, MAX_POINTS)
+    if points_per_wave is not None:
         raise ValueError("a grid takes tolerance or points_per_wave, and not both")
-    elif points > stated_errors.MAX_POINTS:
+    if points > stated_errors.MAX_POINTS:
         raise OutOfReachError(
             f"boundary elements need {points:.2g} points for a tolerance of {tolerance:g} g_0, more than "
             f'{stated_errors.MAX_POINTS}: take a larger tolerance or the method "patches"'
@@ -225,7 +222,7 @@ METHOD = Method(
     seconds=lambda profile, loads, **settings: (
         CURVE_SECONDS + 1.6e-7 * loads.size * points_of(profile, **settings) ** 1.25
     ),
-    check=lambda profile, **settings: check_points(_grid(profile, **settings)),
+    check=_grid,
     by_load=lambda **settings: True,
     complete=with_errors,
     # compiles the kernels of edges on nodes, which default curves do not call

@@ -25,7 +25,7 @@ from weier.surface.loads import checked_loads
 from weier.surface.profile import Profile
 from weier.surface.series import tail_amplitude
 
-POINTS = 24  # error of the compliance 5e-6 of the total amplitude (notes of `curve`)
+POINTS = 24  # error of the compliance 5e-6 of the total amplitude (docs/layer.md, "Error and limits")
 ACCURACY = 1e-5
 POINTS_RANGE = Range(4, 500)  # 40 loads on 384 points take 3 s, growing as the cube
 ACCURACY_RANGE = Range(1e-9, 1e-2)  # an accuracy of 1e-2 adds few rows to the initial ones
