@@ -125,20 +125,6 @@ def bent_laws(rounds: int) -> tuple[int, int]:
     return sum(found), len(found)
 
 
-def without_power(rounds: int, shortest: float) -> tuple[int, int]:
-    """Return the number of mirrored lines that are refused as they have no power in the band, and of all lines."""
-    random, found = np.random.default_rng(0), list[bool]()
-    for _, samples, D in product(range(rounds), (200, 2000), (1.1, 1.5, 1.9)):
-        trace, text = Trace(power_law(random, samples, D, shortest=shortest), 5e-6 * samples, height_unit="um"), ""
-        try:
-            with warnings.catch_warnings(action="ignore"):
-                fit(trace)
-        except ValueError as error:
-            text = str(error)
-        found.append("must have power" in text)
-    return sum(found), len(found)
-
-
 def within_errors(rounds: int, longest: int, ratio: int) -> tuple[float, float, float]:
     """Return the fraction of lines with D in (1, 2), and their fractions within one and two stated errors."""
     random, off = np.random.default_rng(0), list[float]()
@@ -159,8 +145,8 @@ def main(rounds: int, factor: float) -> list[str]:
 
     Lines of many kinds of roughness must be taken, and self-affine lines with steps, spikes and codes for missing
     heights refused. Each limit of the checks is divided and multiplied by a factor: a limit without false refusals on
-    the one side and without missed artefacts on the other lies between the two. Two further tables
-    count the random lines that a limit of the spectrum refuses, and show how well bands of wavelengths determine D.
+    the one side and without missed artefacts on the other lies between the two. A further table shows how well bands
+    of wavelengths determine D.
     """
     limits = [["none", "", *map(str, wrong(rounds))]]
     for limit in LIMITS:
@@ -169,11 +155,6 @@ def main(rounds: int, factor: float) -> list[str]:
                 limits.append([limit, f"{scale:.2f}", *map(str, wrong(rounds))])
     doubted, fits = doubted_fits(rounds)
     bent, laws = bent_laws(rounds)
-    spectra = []
-    for times in (0.1, 1, 3, 10):
-        with scaled("REMOVED_WAVE_RATIO", times, spectrum):
-            refused = [f"{part} of {lines}" for part, lines in (without_power(rounds, 2), without_power(rounds, 8))]
-        spectra.append(["REMOVED_WAVE_RATIO", f"{times:g}", *refused])
     with scaled("MIN_RATIO", 0.5, spectrum):
         bands = [[*map(str, band), *(f"{part:.2f}" for part in within_errors(rounds, *band))] for band in BANDS]
     band_header = ["longest waves in the line", "longest over shortest", "with a D", "within one error", "within two"]
@@ -181,6 +162,5 @@ def main(rounds: int, factor: float) -> list[str]:
         markdown.table(["limit", "times", "roughness refused", "artefacts not recognised"], limits),
         f"{doubted} of {fits} fits to roughness report a part of the line that decides on them.",
         f"{bent} of {laws} fits to power laws are cut off at a bend.",
-        markdown.table(["limit", "times", "whole spectra refused", "cut spectra refused"], spectra),
         markdown.table(band_header, bands),
     ]

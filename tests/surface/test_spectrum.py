@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.artefacts import within_errors, without_power
+from benchmarks.artefacts import within_errors
 from weier.surface import spectrum
 from weier.surface.bends import LONG, MIN_BEND_GAIN, SHORT, Spectrum, likeliest_bend
 from weier.surface.measured.trace import Trace
@@ -315,20 +315,17 @@ def test_the_shortest_wavelength_that_a_trace_was_cut_off_at_is_in_its_band():
         fit(cut, longest=4e-4, shortest=1.6e-5)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_band_without_power_is_refused_and_the_right_one_is_named(seed):
-    trace = Trace(power_law(1.4, 4e-4, 2e-5, seed), 4e-3, unit="m")
-    right = fit(trace, longest=4e-4, shortest=2e-5)
-    assert abs(right.D - 1.4) < 3 * right.D_error
-    with pytest.raises(ValueError, match=r"got none of waves shorter than .* m: take shortest=") as short:
-        fit(trace, longest=4e-4)
-    assert float(str(short.value).partition("shortest=")[2]) == pytest.approx(2e-5, rel=0.2)
-    with pytest.raises(ValueError, match=r"got none of waves longer than .* m: take longest=") as long:
-        fit(trace, longest=4e-3, shortest=2e-5)
-    # What leaks out of the waves of a trace that does not repeat blurs the longest ones.
-    assert 3e-4 < float(str(long.value).partition("longest=")[2]) < 2e-3
-    with pytest.raises(ValueError, match=r"got none of waves shorter than"):
-        fit(trace, longest=1.4e-5, shortest=2.5e-6)
+@pytest.mark.parametrize("ends", ["mirrored", "periodic"])
+def test_a_band_without_waves_at_its_ends_is_cut_off_or_refused(ends):
+    """As a filter leaves it. What leaks out of the waves of a trace that does not repeat blurs the longest ones."""
+    trace = Trace(power_law(1.4, 4e-4, 2e-5), 4e-3, unit="m", ends=ends)
+    for band in ({"longest": 4e-4, "shortest": 2e-5}, {"longest": 4e-4}, {}):
+        found = fit(trace, **band)
+        assert abs(found.D - 1.4) < 2 * found.D_error
+        assert found.lambda_0 / 2 ** (found.m - 0.5) > 1.9e-5
+    for band in ((4e-3, 2e-5), (4e-4, 2.5e-6), (1e-4, 2.5e-6), (1.4e-5, 2.5e-6)):
+        with pytest.raises(ValueError, match="the spectrum must"):
+            fit(trace, *band)
 
 
 def test_what_is_no_power_law_is_refused():
@@ -357,12 +354,6 @@ def test_the_fits_of_an_ensemble_are_those_of_its_traces():
         fit(traces[2:], shortest=1e-9)
     with pytest.raises(ValueError, match=r"trace must be a weier\.Trace, or a list of some, got \[\]"):
         fit([])
-
-
-def test_whole_spectra_are_taken_and_cut_ones_refused():
-    """The limit is far from both: a third and three times of it would change few of these."""
-    assert without_power(5, 2) == (0, 30)
-    assert without_power(5, 8)[0] > 25
 
 
 @pytest.mark.slow

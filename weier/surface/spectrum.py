@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from weier import units
 from weier.checks import checked_number, shown
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Indices
 from weier.surface.bends import (
     CERTAIN_BEND_GAIN,
     LONG,
@@ -38,15 +38,11 @@ PARTS = 20  # parts of a line, each omitted from the spectrum in turn
 # standard errors of D or ln g_0 without a part from the median over the parts, from which that part dominates the
 # fit: 5 of 1928 random lines of 200 to 4000 heights had one (`python -m benchmarks artefacts --rounds 150`)
 DOMINANCE_DEVIATIONS = 2.0
-# The next three were measured by the same command.
+# The next two were measured by the same command.
 # default length of the trace over the longest wavelength: within one and two errors are 0.68 and 0.96 of the lines of
 # five octaves; with a length of one wavelength 0.76 and 0.97
 WAVES_IN_LENGTH = 4
 MIN_RATIO = 4.0  # smallest ratio of the wavelengths: 0.68 of lines on two octaves have 1 < D < 2, 0.33 on one
-# A filter or stylus has removed a wave if its power falls below this fraction of its neighbours' power. None of 360
-# whole spectra is refused with this or three times this value, three are with ten times.
-REMOVED_WAVE_RATIO = 0.01
-HALF_OCTAVE = math.sqrt(2)  # ratio of wavelengths over half an octave
 # Variance of P_k over its square on a random surface: P_k is the sum of two squares of normal numbers in a periodic
 # trace, and one square in a mirrored one.
 PERIODIC_SCATTER, MIRRORED_SCATTER = 1.0, 2.0
@@ -121,9 +117,9 @@ def fit(
     Raises
     ------
     ValueError
-        If the band is narrower than two octaves or gamma, or not in the trace, if the trace has no waves at an end of
-        the band, if the slope of its spectrum gives no D with 1 < D < 2, or if the spectrum bends within a given band
-        or leaves no law on two octaves; the message names the wavelength to take.
+        If the band is narrower than two octaves or gamma, or not in the trace, if the slope of its spectrum gives no
+        D with 1 < D < 2, or if the spectrum bends within a given band or leaves no law on two octaves; the message
+        names the wavelength to take.
 
     Warns
     -----
@@ -163,7 +159,6 @@ def fit(
     whole = _spectrum(trace, z)
     first, last = _band(trace, longest, shortest, ratio)
     law = whole_law = _law(whole, first, last, ratio)
-    _check_power(whole.between(first, law.shortest).k, whole.k[_has_power(whole.k, whole.variance)], whole.period)
     rolloff, doubt = None, np.zeros(2)
     artefact = _artefact(trace, z, law) or ("" if 1 < law.D < 2 else _artefact(trace, z, law, width=2))
     if not artefact:  # The spectra of scratches have bends.
@@ -249,9 +244,9 @@ def _extended(trace: Trace, z: Array) -> Array:
 
 
 def _spectrum(trace: Trace, z: Array) -> Spectrum:
-    """Return the spectrum of heights on the length of a trace, in m, down to its shortest wave."""
+    """Return the spectrum of heights on the length of a trace, in m."""
     whole = _extended(trace, z)
-    variance = 2 * np.abs(np.fft.rfft(whole)[1 : int(trace.finest) + 1] / whole.size) ** 2
+    variance = 2 * np.abs(np.fft.rfft(whole)[1 : (whole.size + 1) // 2] / whole.size) ** 2
     scatter = PERIODIC_SCATTER if trace.ends == PERIODIC else MIRRORED_SCATTER
     return Spectrum(np.arange(1, variance.size + 1), variance, trace.period * trace.lambda_0, scatter)
 
@@ -344,36 +339,6 @@ def _straight_law(
         rolloff = at if bend.is_rolloff else rolloff
         law = _law(whole, first, last, law.ratio)
     return law, rolloff, doubt
-
-
-def _has_power(k: Indices, power: Array) -> Flags:
-    """Return whether each wave has the power suggested by its neighbours: not removed by a filter or stylus tip.
-
-    The mean power of an octave around a wave may fall as k^-3 from longer waves, and be as low as on shorter ones,
-    but not a hundredth of either.
-    """
-    sums = np.append(0, np.cumsum(power))
-    low, high = np.searchsorted(k, k / HALF_OCTAVE, "left"), np.searchsorted(k, k * HALF_OCTAVE, "right")
-    mean = (sums[high] - sums[low]) / (high - low)
-    falling, rising = mean * k**3.0, mean[::-1]
-    known = falling > REMOVED_WAVE_RATIO * np.maximum.accumulate(falling)
-    return np.asarray(known & (rising > REMOVED_WAVE_RATIO * np.maximum.accumulate(rising))[::-1])
-
-
-def _check_power(k: Indices, known: Indices, period: float) -> None:
-    """Refuse a band without power at one of its ends; `known` are the waves with power, also outside the band.
-
-    A series has gaps between its waves, so that only a gap at an end wider than all others is refused.
-    """
-    problem = "the spectrum must have power in the whole band, got none of waves"
-    within = known[(known >= k[0]) & (known <= k[-1])]
-    widest = np.diff(np.log(within)).max(initial=math.log(1 + 1 / k[0]))
-    if not within.size or math.log(k[-1] / within[-1]) > widest:
-        last = period / (within if within.size else known)[-1] * HALF_OCTAVE
-        raise ValueError(f"{problem} shorter than {last:.3g} m: take shortest={last:.3g}")
-    if math.log(within[0] / k[0]) > widest:
-        first = period / within[0] / HALF_OCTAVE
-        raise ValueError(f"{problem} longer than {first:.3g} m: take longest={first:.3g}")
 
 
 def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
