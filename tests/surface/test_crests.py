@@ -1,12 +1,22 @@
-"""The crests of a series: the highest one, and all of them where they stand closer together than samples."""
+"""Taylor polynomials of a series against its sums, and its crests: the highest one, and all however close."""
 
 import mpmath as mp
 import numpy as np
 import pytest
 
 from weier import Profile
-from weier.surface.crests import crest_heights, find_crests, highest_crest, sample
-from weier.surface.expansions import expand, phase_angle
+from weier.surface.crests import (
+    ORDER,
+    count_nodes,
+    crest_heights,
+    derivatives,
+    expand,
+    find_crests,
+    highest_crest,
+    move,
+    phase_angle,
+    sample,
+)
 
 EPS = np.finfo(float).eps
 
@@ -109,3 +119,45 @@ def test_crests_of_waves_that_peak_apart_hold_thirty_digits():
         parts = [(mp.mpf(a), 2 * mp.pi * int(k), mp.mpf(p)) for a, k, p in zip(amplitude, waves, phase, strict=True)]
         crest = mp.findroot(lambda x: mp.fsum(a * k * mp.sin(k * x + p) for a, k, p in parts), x)
         assert abs(height - mp.fsum(a * mp.cos(k * crest + p) for a, k, p in parts)) < 1e-23
+
+
+ROUNDING = 8 * np.finfo(float).eps  # of a transform, and of a polynomial
+
+FINEST = (np.ones(1), [256], np.full(1, 0.7))  # as few nodes a wave as there may be: the largest remainder
+ROUGH = (np.arange(1, 301) ** -1.3, list(range(1, 301)), np.random.default_rng(1).uniform(0, 2 * np.pi, 300))
+SERIES = (5.0 ** (-0.75 * np.arange(5)), [1, 5, 25, 125, 625], np.arange(5.0))
+
+
+def values(expansion, t):
+    """The polynomial of each row."""
+    return np.sum(expansion * t[:, None] ** np.arange(ORDER + 1), axis=1)
+
+
+def sums(amplitude, waves, phase, node, t, nodes):
+    """The series and two derivatives by t, in steps from nodes."""
+    kappa = 2 * np.pi * np.array(waves) / nodes
+    angle = 2 * np.pi / nodes * (np.array(waves) * node[:, None] % nodes) + kappa * t[:, None] + phase
+    return np.cos(angle) @ amplitude, -np.sin(angle) @ (kappa * amplitude), -np.cos(angle) @ (kappa**2 * amplitude)
+
+
+@pytest.mark.parametrize("series", [FINEST, ROUGH, SERIES])
+def test_values_and_derivatives_as_far_as_one_step(series):
+    amplitude, waves, _ = series
+    table = expand(*series)
+    nodes = len(table)
+    assert nodes == count_nodes(waves[-1])
+    assert 4 * waves[-1] <= nodes < 8 * waves[-1]
+    random = np.random.default_rng(2)
+    node, t = random.integers(0, nodes, 500), random.uniform(-1, 1, 500)
+    exact = sums(*series, node, t, nodes)
+    found = values(table[node], t), *derivatives(table[node], t)
+    kappa = 2 * np.pi * np.array(waves) / nodes
+    for order in range(3):
+        np.testing.assert_allclose(found[order], exact[order], atol=ROUNDING * amplitude @ kappa**order, rtol=0)
+
+
+def test_a_moved_polynomial_is_the_same():
+    rows, t = np.random.default_rng(3).normal(size=(4, ORDER + 1)), np.array([-0.5, 0.0, 0.2, 0.5])
+    s = np.array([0.3, -0.2, 0.5, -0.5])
+    scale = ROUNDING * np.abs(rows).sum(axis=1)
+    assert np.all(np.abs(values(move(rows, t), s) - values(rows, t + s)) < scale)

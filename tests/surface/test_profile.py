@@ -10,6 +10,7 @@ import pytest
 
 from weier.surface.profile import Profile, random_phases, terms_within
 from weier.surface.series import leading_amplitude, tail_amplitude
+from weier.surface.waves import check_resolvable
 
 EPS = np.finfo(float).eps
 EXAMPLES = [
@@ -251,6 +252,10 @@ def test_random_phases_refuse_what_is_no_seed(seed):
         random_phases(seed)
 
 
-@pytest.mark.parametrize("profile", [*EXAMPLES, Profile(1.1, math.pi, 2, 1 / 3), Profile(1.5, 5, math.inf)])
-def test_the_repr_of_a_profile_makes_it(profile):
-    assert eval(repr(profile), {"Profile": Profile}) == profile
+def test_the_most_waves_are_taken_and_one_more_refused():
+    """5^7 = 78 125 waves, 10^5, and 46^3 = 97 336, beside 47^3."""
+    for gamma, m in ((5, 8), (10, 6), (46, 4)):
+        check_resolvable(Profile(1.5, gamma, m))
+    for gamma, m in ((47, 4), (2**0.5, 3), (1.0000001, 3)):
+        with pytest.raises(ValueError, match="at most 100000 times into the period"):
+            check_resolvable(Profile(1.5, gamma, m))

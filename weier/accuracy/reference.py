@@ -22,9 +22,8 @@ from weier.kernels.arrays import Array
 from weier.methods import layer, patches
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Method
-from weier.surface.limits import resolvable
 from weier.surface.profile import Profile
-from weier.surface.waves import Waves
+from weier.surface.waves import Waves, resolvable
 
 # tried in turn, since the bound exceeds the first with many contacts
 TOLERANCES = (1e-12, 1e-11, 1e-10)

@@ -25,8 +25,8 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.method import Settings
 from weier.methods.settings import TOLERANCE, defaults
 from weier.scene import load
-from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile
+from weier.surface.waves import check_resolvable
 
 SCENE, FIGURE = Path("config/accuracy/tradeoff.yaml"), Path("results/tradeoff/tradeoff.pdf")
 # runs per median: other processes lengthen some runs, and the clock of a virtual machine may shorten others

@@ -25,8 +25,8 @@ from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.scene.case import Case
 from weier.scene.identity import short_keys
-from weier.surface.limits import resolvable
 from weier.surface.loads import LoadsOf
+from weier.surface.waves import resolvable
 from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Arrays = Mapping[str, NDArray[Any]]

@@ -15,9 +15,8 @@ from weier.data.si import marked
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 from weier.methods.patches.distribution import fraction_above
-from weier.surface.limits import check_resolvable
 from weier.surface.loads import checked_load
-from weier.surface.waves import MAX_POINTS, Waves, checked_surface
+from weier.surface.waves import MAX_POINTS, Waves, check_resolvable, checked_surface
 
 # The meaning and unit of each variable.
 ATTRIBUTES = {

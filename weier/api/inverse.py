@@ -27,8 +27,7 @@ from weier.kernels.arrays import Array
 from weier.methods.load_progress import converting
 from weier.methods.registry import EXACT
 from weier.methods.settings import TOLERANCE
-from weier.surface.limits import check_resolvable
-from weier.surface.waves import Waves, checked_surface
+from weier.surface.waves import Waves, check_resolvable, checked_surface
 from weier.theory.bounds import first_contact
 from weier.units import NONE, NORMALISED_PRESSURE
 

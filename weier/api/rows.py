@@ -13,8 +13,7 @@ from weier.kernels.arrays import Array
 from weier.methods.curve import Curve
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method
-from weier.surface.limits import resolvable
-from weier.surface.waves import Waves
+from weier.surface.waves import Waves, resolvable
 from weier.theory.bounds import first_contact, infinite_series_bounds
 
 RMS = "rms_height", "rms_slope", "rms_curvature"

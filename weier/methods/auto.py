@@ -21,9 +21,8 @@ from weier.methods.curve import COMPLIANCE, QUANTITIES, RESISTANCE, Curve
 from weier.methods.errors import MARGIN, OutOfReachError
 from weier.methods.load_progress import converting
 from weier.methods.method import TOLERANCES, Method, Setting, Style
-from weier.surface.limits import MAX_WAVES
 from weier.surface.profile import Profile, terms_within
-from weier.surface.waves import Waves, checked_surface
+from weier.surface.waves import MAX_WAVES, Waves, checked_surface
 from weier.theory.bounds import complete_bounds, first_contact, resistance_bounds
 
 TOLERANCE = 1e-3

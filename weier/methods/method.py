@@ -15,9 +15,8 @@ from typing import Any, NamedTuple
 from weier.checks import checked_count, checked_number, checked_word
 from weier.methods.curve import Curve
 from weier.methods.errors import NotApplicableError
-from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile
-from weier.surface.waves import Waves
+from weier.surface.waves import Waves, check_resolvable
 
 Settings = Mapping[str, Any]
 CURVE_SECONDS = 5e-4  # seconds of the simplest curve: `python -m benchmarks expected_seconds`

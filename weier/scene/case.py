@@ -22,11 +22,10 @@ from weier.methods.registry import find_method
 from weier.scene.identity import keys_of, short_keys
 from weier.scene.yaml import number
 from weier.surface.gaussian import gaussian
-from weier.surface.limits import check_resolvable
 from weier.surface.measured.lines import UNITS
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile, checked_ratio, random_phases
-from weier.surface.waves import Waves
+from weier.surface.waves import Waves, check_resolvable
 from weier.units import METRE, NONE
 
 DIGITS = re.compile(r"(\D*)(\d*)")  # splits file names into text and digits

@@ -8,7 +8,6 @@ import numpy as np
 
 from weier import units
 from weier.checks import checked_number
-from weier.surface.limits import MAX_WAVES
 from weier.surface.measured.artefacts import MEAN
 from weier.surface.measured.trace import (
     DECIMAL_ROUNDING,
@@ -21,6 +20,7 @@ from weier.surface.measured.trace import (
     digest_of,
 )
 from weier.surface.profile import random_phases
+from weier.surface.waves import MAX_WAVES
 
 
 def gaussian(

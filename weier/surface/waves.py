@@ -19,6 +19,7 @@ from weier.kernels.arrays import Array
 from weier.surface.crests import highest_crest, sample
 
 MAX_POINTS = 10**7  # points of a sampled period or grid: 80 MB
+MAX_WAVES = 100_000  # finest waves per period: 6.4 million nodes by default, 1.2 GB
 MAX_X = 1e15  # lambda_0; rounding of larger positions is of the order of a wavelength
 
 
@@ -156,3 +157,18 @@ def checked_surface(profile: Waves, name: str = "profile") -> Waves:
     if not isinstance(profile, Waves):
         raise ValueError(f"{name} must be a weier.Profile or a weier.Trace, got {shown(profile)}")
     return profile
+
+
+def resolvable(profile: Waves) -> bool:
+    """Return whether the waves of one period can be sampled."""
+    return profile.finest <= MAX_WAVES
+
+
+def check_resolvable(profile: Waves) -> None:
+    """Refuse a surface that has more finest waves per period than a computer can hold."""
+    if not resolvable(profile):
+        raise ValueError(
+            f"the finest wave must fit at most {MAX_WAVES} times into the period, which {profile.describe()} "
+            "exceeds: take fewer terms, a gamma of smaller numbers, such as 5/2, or a method that does not resolve "
+            "every wave"
+        )

@@ -23,9 +23,8 @@ from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.errors import ConvergenceError, OutOfReachError
 from weier.methods.load_progress import count_load, keeping
 from weier.methods.method import CURVE_SECONDS, TOLERANCES, Method, Range, Setting, Style, applies_to_resolvable
-from weier.surface.limits import check_resolvable
 from weier.surface.loads import checked_loads
-from weier.surface.waves import MAX_POINTS, Waves
+from weier.surface.waves import MAX_POINTS, Waves, check_resolvable
 
 POINTS_PER_WAVE = 64  # error of R below 1 % at nine of ten loads (docs/numerics.md, "The resistance of a grid")
 MIN_POINTS_PER_WAVE = 3  # a wave is resolved by more than two points

@@ -16,10 +16,8 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
-from weier.surface.crests import crest_heights, find_crests
-from weier.surface.expansions import ORDER, Expansions, expand
-from weier.surface.limits import check_resolvable
-from weier.surface.waves import Waves
+from weier.surface.crests import ORDER, Expansions, crest_heights, expand, find_crests
+from weier.surface.waves import Waves, check_resolvable
 
 # Positions on the line are counted from crests: of intervals the crest or its image, the middle from there, and the
 # half-width, in lambda_0, each of shape (intervals,).

@@ -23,12 +23,11 @@ from numpy.typing import ArrayLike
 from weier import units
 from weier.checks import checked_file, checked_number, checked_word, readable, shown
 from weier.kernels.arrays import Array, Indices
-from weier.surface.limits import MAX_WAVES
 from weier.surface.measured import artefacts as measured
 from weier.surface.measured.instruments import read_lines, topography_lines
 from weier.surface.measured.lines import UNITS, Line, known_unit, length_of_steps, line_from_array
 from weier.surface.profile import PARAMETERS
-from weier.surface.waves import Waves
+from weier.surface.waves import MAX_WAVES, Waves
 
 MIRRORED, PERIODIC = ENDS = ("mirrored", "periodic")
 ROUNDING = 1e-14  # amplitudes below this fraction of g_0 are rounding errors
