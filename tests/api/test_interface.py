@@ -98,5 +98,5 @@ def test_the_pressure_of_a_curve_comes_back_within_its_error(surface):
 
 
 def test_pressures_are_a_list():
-    with pytest.raises(ValueError, match=r"pressure must be a list of pressures, got an array of shape \(2, 2\)"):
+    with pytest.raises(ValueError, match=r"pressure must be a list of loads, got an array of shape \(2, 2\)"):
         SCALED.solve(weier.Profile(1.25, 5, 2), np.full((2, 2), 1e6), "demelio")

@@ -1,4 +1,4 @@
-"""Progress over the loads, a limit of the time, and what a stopped solution keeps."""
+"""Progress over the loads, and what a stopped solution keeps."""
 
 import io
 import sys
@@ -65,18 +65,6 @@ def test_a_long_solution_is_announced(monkeypatch, capsys):
     assert f"weier.solve: about {expected:.0f} s for {LOADS.size} loads; Ctrl-C ends it" in capsys.readouterr().err
     weier.solve([PROFILE] * 3, LOADS[:5], "patches", workers=2)  # half of 15 loads
     assert "Ctrl-C" not in capsys.readouterr().err
-
-
-def test_a_limit_ends_a_solution_with_a_sentence():
-    """Also of other processes, between two curves."""
-    message = r"max_seconds = 1e-06 ended the solution after \d+ % of \d+ loads: raise it"
-    with pytest.raises(TimeoutError, match=message):
-        weier.solve([PROFILE] * 3, LOADS, "patches", max_seconds=1e-6, workers=2)
-    with pytest.raises(TimeoutError, match=message):
-        weier.solve(PROFILE, LOADS, "patches", max_seconds=1e-6)
-    for limit in (0, "10"):
-        with pytest.raises(ValueError, match="max_seconds must be positive"):
-            weier.solve(PROFILE, LOADS, "demelio", max_seconds=limit)
 
 
 class Stop:

@@ -1,26 +1,35 @@
-"""Many cases, solved into one dataset."""
+"""Many cases, solved into one dataset, sequentially or in several processes.
+
+A solver runs Python code between its kernels, so that threads would wait for the interpreter lock. Other processes
+receive tasks and return arrays instead.
+"""
 
 from __future__ import annotations
 
 import json
 import math
+import os
+import signal
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context, parent_process
+from threading import Thread
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from weier.api.progress import counted, showing
+from weier.api.progress import Progress, counted, showing
 from weier.api.rows import BOUNDS, curve_row, surface_row
-from weier.api.task import CurveTask, Known, distinct
-from weier.api.workers import solve_curves
+from weier.api.task import CurveTask, Known, Outcome
 from weier.data import dataset
 from weier.data.variables import CASE, LOADS, VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.curve import Curve
-from weier.methods.load_progress import keeping
+from weier.methods.load_progress import keeping, reporting_to
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.scene.case import Case
@@ -29,7 +38,12 @@ from weier.surface.loads import LoadsOf
 from weier.surface.waves import resolvable
 from weier.units import NORMALISED_PRESSURE, PASCAL
 
-Arrays = Mapping[str, NDArray[Any]]
+# The message when the process pool breaks.
+LOST = (
+    "a process that was to solve curves has ended too early: a script must be a file that calls weier.solve below "
+    '`if __name__ == "__main__":`, since each process imports it anew; if yours is, take fewer workers, since memory '
+    "may have been short"
+)
 
 
 def _report(message: str) -> None:
@@ -44,7 +58,6 @@ def solve_batch(
     workers: int = 1,
     loads_of: LoadsOf | None = None,
     known: Mapping[str, Known] | None = None,
-    max_seconds: float | None = None,
 ) -> xr.Dataset:
     """Solve cases under common loads, and show the progress.
 
@@ -66,8 +79,6 @@ def solve_batch(
         From a surface to its loads in p_0*, for loads in Pa.
     known : mapping, optional
         Of a single case: the curves that are known under some of the loads, by method.
-    max_seconds : float, optional
-        Limit of the time.
 
     Returns
     -------
@@ -82,13 +93,15 @@ def solve_batch(
     """
     cases, loads = list(cases), np.asarray(mean_pressure, float)
     data = _blank(cases, loads, NORMALISED_PRESSURE if loads_of is None else PASCAL, contact_edges)
-    rows, methods = arrays(data), data["solution_method"].values.tolist()
-    own_loads = [loads if loads_of is None else loads_of(case.profile) for case in cases]
-    curves = [
-        (number, CurveTask(case.profile, name, case.settings.get(name, {}), own, (known or {}).get(name)))
-        for number, (case, own) in enumerate(zip(cases, own_loads, strict=True))
-        for name in case.methods
-    ]
+    rows = {str(name): variable.values for name, variable in data.variables.items()}  # faster to write into
+    methods, curves = data["solution_method"].values.tolist(), list[tuple[int, CurveTask]]()
+    for number, case in enumerate(cases):
+        keys = {"key": case.key(loads), "surface_key": short_keys(np.array([case.surface_key]))[0]}
+        _store(rows, {CASE: number}, surface_row(case.profile) | keys)
+        own = loads if loads_of is None else loads_of(case.profile)
+        for name in case.methods:
+            task = CurveTask(case.profile, name, case.settings.get(name, {}), own, (known or {}).get(name))
+            curves.append((number, task))
 
     def store(number: int, curve: CurveTask, row: Mapping[str, Any], solved: Array | None = None) -> None:
         """Write a curve with its settings into its row, or a part of it, at the solved loads."""
@@ -107,24 +120,19 @@ def solve_batch(
         found = data.isel(case=slice(number + 1))
         return found if np.isfinite(found["compliance"]).any() else None
 
-    for number, curve in curves:
+    to_solve = dict[object, CurveTask]()
+    for position, (number, curve) in enumerate(curves):
+        to_solve.setdefault(curve.series or position, curve)
         if curve.known is not None:
             store_part(number, curve, curve.known.loads, curve.known.curve)
-    to_solve = distinct(curve for _, curve in curves)
-    outcomes: dict[object, Any] = {}
-    expected = sum(curve.expected for curve in to_solve) / min(workers, len(to_solve))
+    outcomes = dict[object, Outcome]()
+    expected = sum(curve.expected for curve in to_solve.values()) / min(workers, len(to_solve))
     total = loads.size * len(to_solve)
-    with (
-        showing("weier.solve", total, counted(total, "load"), max_seconds, expected) as progress,
-        keeping(solved_so_far),
-    ):
-        new = solve_curves(to_solve, workers, progress)
-        for number, curve in curves:
-            if curve.method == cases[number].methods[0]:
-                describe_case(rows, number, cases[number], loads)
-            outcome = outcomes[series] if (series := curve.series) in outcomes else next(new)
-            if series is not None:
-                outcomes[series] = outcome
+    with showing("weier.solve", total, counted(total, "load"), expected) as progress, keeping(solved_so_far):
+        new = solve_curves([*to_solve.values()], workers, progress)
+        for position, (number, curve) in enumerate(curves):
+            key = curve.series or position
+            outcome = outcomes[key] if key in outcomes else outcomes.setdefault(key, next(new))
             if isinstance(outcome, Exception):
                 failed(f"{curve.profile.describe()}, {curve.method}: {outcome}")
             store(number, curve, curve_row(curve, outcome))
@@ -148,18 +156,7 @@ def _blank(cases: Collection[Case], loads: Array, unit: str, contact_edges: bool
     return dataset.blank(len(cases), methods, loads, terms, edges, returned, unit)
 
 
-def arrays(data: xr.Dataset) -> Arrays:
-    """Return the arrays of all variables, since writing through the dataset is slower."""
-    return {str(name): variable.values for name, variable in data.variables.items()}
-
-
-def describe_case(values_of: Arrays, number: int, case: Case, loads: Array) -> None:
-    """Fill in the coordinates of a case."""
-    keys = {"key": case.key(loads), "surface_key": short_keys(np.array([case.surface_key]))[0]}
-    _store(values_of, {CASE: number}, surface_row(case.profile) | keys)
-
-
-def _store(curves: Arrays, position: Mapping[str, Any], values: Mapping[str, Any]) -> None:
+def _store(curves: Mapping[str, Any], position: Mapping[str, Any], values: Mapping[str, Any]) -> None:
     """Write one case, or one curve, into its row of each array.
 
     All values returned by a method are stored if they are in the table of variables, arrays over the loads as well as
@@ -172,3 +169,45 @@ def _store(curves: Arrays, position: Mapping[str, Any], values: Mapping[str, Any
                 curves[name][tuple(position.get(dim, slice(None)) for dim in dims)] = np.nan
             width = slice(np.shape(value)[-1] if np.ndim(value) else None)  # number of terms or edges
             curves[name][tuple(position.get(dim, width) for dim in dims)] = value
+
+
+def solve_curves(curves: Sequence[CurveTask], workers: int, progress: Progress) -> Iterator[Outcome]:
+    """Yield the outcome of each curve, in the order of `curves`; `progress` counts their loads.
+
+    Other processes are spawned, since a forked process could deadlock on locks held by threads of this one. The
+    results are bitwise independent of their number.
+
+    Raises
+    ------
+    ChildProcessError
+        If a process ends unexpectedly.
+    """
+    if (workers := min(workers, len(curves))) > 1:
+        try:
+            with ProcessPoolExecutor(workers, get_context("spawn"), _begin) as pool:
+                for curve, outcome in zip(curves, pool.map(CurveTask.outcome, curves), strict=True):
+                    yield outcome
+                    progress.reach(progress.done + curve.loads.size)
+        except BrokenProcessPool:
+            raise ChildProcessError(LOST) from None
+        return
+    done = 0
+    for curve in curves:
+        with reporting_to(progress):
+            outcome = curve.outcome()
+        done += curve.loads.size  # closed forms do not count their loads, and other methods solve some twice
+        yield outcome
+        progress.reach(done)
+
+
+def _begin() -> None:
+    """Prepare a process that solves curves: it ends with its parent, and silently by Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """End this process, even within a kernel, when its parent has ended or was killed."""
+    if parent := parent_process():
+        parent.join()
+        os._exit(1)

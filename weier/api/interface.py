@@ -5,20 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from weier import units
 from weier.api.inverse import loads_for, wanted_quantity
 from weier.api.solve import in_order, solve_under
-from weier.checks import checked_numbers
 from weier.data.bodies import Bodies, to_normalised
 from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.load_progress import converting
-from weier.surface.waves import Waves, checked_surface
+from weier.surface.loads import listed_loads
+from weier.surface.waves import Waves
 
 
 class Interface(Bodies):
@@ -112,16 +111,7 @@ class Interface(Bodies):
         >>> print(curve.resistance.values.round(13), curve.resistance.units)
         [8.27e-11 6.21e-11] ohm m^2
         """
-        positive = checked_numbers(
-            "pressure", pressure, "be positive", lambda p: (p > 0) & (p < np.inf), units.PASCAL
-        )
-        pressures = np.atleast_1d(positive)
-        if pressures.ndim > 1 or not pressures.size:
-            raise ValueError(f"pressure must be a list of pressures, got an array of shape {pressures.shape}")
-        surfaces: list[Any] = list(surface) if isinstance(surface, list | tuple) and surface else [surface]
-        for one in surfaces:
-            checked_surface(one, "surface")
-        loads, position = np.unique(pressures, return_inverse=True)
+        loads, position = listed_loads(pressure, "pressure", units.PASCAL)
         unit = units.unit_of(pressure[0] if isinstance(pressure, list | tuple) and pressure else pressure)
 
         def in_si(solved: xr.Dataset) -> xr.Dataset:

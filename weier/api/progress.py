@@ -1,4 +1,4 @@
-"""Progress of a solution: the number of loads done, the remaining time, and a limit of the time."""
+"""Progress of a solution: the number of loads done and the remaining time."""
 
 from __future__ import annotations
 
@@ -19,16 +19,14 @@ def clock() -> float:
 
 
 class Progress:
-    """Messages at intervals with the finished part of a whole, such as "400 loads", and a limit of the time.
+    """Messages at intervals with the finished part of a whole, such as "400 loads".
 
     A call counts one of `total` items: a solver that reports to this object calls it after each load.
     """
 
-    def __init__(
-        self, total: float, whole: str, pause: float, say: Callable[[str], None], max_seconds: float | None = None
-    ) -> None:
+    def __init__(self, total: float, whole: str, pause: float, say: Callable[[str], None]) -> None:
         """Count up to `total`, with `pause` seconds between two messages to `say`."""
-        self.total, self.whole, self.pause, self.say, self.max_seconds = total, whole, pause, say, max_seconds
+        self.total, self.whole, self.pause, self.say = total, whole, pause, say
         self.done, self.start, self.said = 0.0, perf_counter(), perf_counter()
 
     def __call__(self) -> None:
@@ -36,25 +34,15 @@ class Progress:
         self.reach(self.done + 1)
 
     def reach(self, done: float) -> None:
-        """Set the number of finished items; TimeoutError if others remain after the limit of the time."""
+        """Set the number of finished items."""
         self.done, now = done, perf_counter()
-        if not 0 < done < self.total:
-            return
-        far = f"{100 * done / self.total:.0f} % of {self.whole}"
-        if self.max_seconds is not None and now - self.start > self.max_seconds:
-            raise TimeoutError(
-                f"max_seconds = {self.max_seconds:g} ended the solution after {far}: raise it, or take fewer "
-                "loads or a larger tolerance"
-            )
-        if now - self.said > self.pause:
-            self.said = now
-            self.say(f"{far}, about {(now - self.start) * (self.total - done) / done:.0f} s left")
+        if 0 < done < self.total and now - self.said > self.pause:
+            self.said, left = now, (now - self.start) * (self.total - done) / done
+            self.say(f"{100 * done / self.total:.0f} % of {self.whole}, about {left:.0f} s left")
 
 
 @contextmanager
-def showing(
-    name: str, total: float, whole: str, max_seconds: float | None = None, expected: float = 0.0
-) -> Iterator[Progress]:
+def showing(name: str, total: float, whole: str, expected: float = 0.0) -> Iterator[Progress]:
     """Show the progress on standard error: in one line of a terminal, or in a log by a line every `LONG` seconds.
 
     If more than `LONG` seconds are expected, they are announced beforehand.
@@ -68,7 +56,7 @@ def showing(
     if expected > LONG:
         say(f"about {expected:.0f} s for {whole}; Ctrl-C ends it")
     try:
-        yield Progress(total, whole, TERMINAL_SECONDS if terminal else LONG, say, max_seconds)
+        yield Progress(total, whole, TERMINAL_SECONDS if terminal else LONG, say)
     finally:
         if terminal:
             print(ERASE, end="", file=sys.stderr, flush=True)

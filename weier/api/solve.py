@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from weier.api.progress import counted, showing
 from weier.api.rows import derived
 from weier.api.task import CurveTask, Known
-from weier.checks import checked_flag, checked_number, checked_workers, shown
+from weier.checks import checked_flag, checked_workers, shown
 from weier.data import dataset, provenance
 from weier.data.selection import name_cases
 from weier.data.variables import LOADS, attributes
@@ -34,7 +34,6 @@ def solve(
     *,
     contact_edges: bool = False,
     workers: int = 1,
-    max_seconds: float | None = None,
     **settings: Any,
 ) -> xr.Dataset:
     """Solve the contact of profiles with a plane: compliance and contact resistance over the load.
@@ -54,9 +53,7 @@ def solve(
     workers : int
         Number of processes for lists of curves; -1 for one per core. Results do not depend on it. A process starts in
         about three seconds. A script must call `solve` below `if __name__ == "__main__":`, since each process imports
-        it.
-    max_seconds : float, optional
-        Time limit. Standard error shows the progress, every ten seconds unless it is a terminal.
+        it. Standard error shows the progress, every ten seconds unless it is a terminal.
     **settings
         Settings of the method; with a list of methods, under the name of each, as `layer={"points": 48}`. A common
         `tolerance`, the accepted error of the compliance in g_0, applies to all methods that take one. Settings and
@@ -82,10 +79,10 @@ def solve(
         apply to the profile; OutOfReachError if a tolerance cannot be met.
     ConvergenceError
         If a solver misses its tolerance.
-    TimeoutError, KeyboardInterrupt
-        If the solution takes longer than `max_seconds`, or at Ctrl-C. The attribute `curve` of the exception is the
-        result so far, as below for increasing loads: of one curve, the loads that "patches", "bem" or "auto" has
-        solved; of a list, the cases. It is None if there is none.
+    KeyboardInterrupt, TimeoutError
+        At Ctrl-C, or as raised by a handler of signals, such as one of `signal.alarm`. The attribute `curve` of the
+        exception is the result so far, for increasing loads: of one curve, the loads that "patches", "bem" or "auto"
+        has solved; of a list, the cases. It is None if there is none.
     ChildProcessError
         If a process terminates early, for example without the guard named above.
 
@@ -108,8 +105,8 @@ def solve(
 
     """
     loads, position = listed_loads(mean_pressure)
-    options = {"contact_edges": contact_edges, "workers": workers, "max_seconds": max_seconds, **settings}
-    return in_order(solve_under(profile, loads, None, method, **options), position)
+    curves = solve_under(profile, loads, None, method, contact_edges=contact_edges, workers=workers, **settings)
+    return in_order(curves, position)
 
 
 def in_order(curves: xr.Dataset, position: Indices) -> xr.Dataset:
@@ -125,7 +122,6 @@ def solve_under(
     *,
     contact_edges: bool = False,
     workers: int = 1,
-    max_seconds: float | None = None,
     known: Mapping[str, Known] | None = None,
     **settings: Any,
 ) -> xr.Dataset:
@@ -141,8 +137,6 @@ def solve_under(
             warnings.warn(doubt, stacklevel=3)  # points to the call of `solve`
     method = default_method(*profiles, within_tolerance=TOLERANCE in settings) if method is None else method
     methods = [find_method(name).name for name in _list("method", method)]
-    if max_seconds is not None:
-        max_seconds = checked_number("max_seconds", max_seconds, "be positive", lambda seconds: seconds > 0, "s")
     several = isinstance(profile, list | tuple) or isinstance(method, list | tuple)
     checked = (
         settings_by_method(methods, settings)
@@ -155,7 +149,7 @@ def solve_under(
                 applied.check(surface, **checked.get(name, {}))
     if not several:
         curve = CurveTask(profiles[0], methods[0], checked[methods[0]], own_loads[0])
-        return _solve_one(curve, edges, loads if loads_of else None, max_seconds)
+        return _solve_one(curve, edges, loads if loads_of else None)
     from weier.api.batch import solve_batch  # imports the scenes, which a single curve does not need
     from weier.scene.case import Case
 
@@ -167,7 +161,7 @@ def solve_under(
         return name_cases(data.assign_attrs(provenance.result_attributes(title)))
 
     with converting(named):
-        data = solve_batch(cases, loads, edges, failures.append, workers, loads_of, known, max_seconds)
+        data = solve_batch(cases, loads, edges, failures.append, workers, loads_of, known)
     for failure in failures:
         warnings.warn(failure, stacklevel=3)  # points to the call of `solve`
     return named(data)
@@ -180,7 +174,7 @@ def _list(name: str, given: Any) -> list[Any]:
     return listed
 
 
-def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None, max_seconds: float | None) -> xr.Dataset:
+def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None) -> xr.Dataset:
     """Return one curve with its labels and settings, over mean_pressure, or over the same pressures in Pa."""
 
     def labelled(loads: Array, solution: Curve, **others: Any) -> xr.Dataset:
@@ -197,7 +191,7 @@ def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None, max_secon
     whole = counted(curve.loads.size, "load")
     with (
         converting(lambda solved: labelled(*solved)),
-        showing("weier.solve", curve.loads.size, whole, max_seconds, curve.expected) as progress,
+        showing("weier.solve", curve.loads.size, whole, curve.expected) as progress,
         reporting_to(progress),
     ):
         solution, seconds = curve.solve()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -81,11 +81,3 @@ class CurveTask(NamedTuple):
             return self.solve()
         except (NotApplicableError, ConvergenceError) as error:
             return error.with_traceback(None)  # the traceback would keep the solver's arrays alive
-
-
-def distinct(curves: Iterable[CurveTask]) -> list[CurveTask]:
-    """Return the curves to solve, without duplicates that differ only in unused phases."""
-    found: dict[object, CurveTask] = {}
-    for number, curve in enumerate(curves):
-        found.setdefault(curve.series or number, curve)
-    return list(found.values())

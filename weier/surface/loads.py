@@ -21,23 +21,25 @@ SUSPECT_LOAD_RATIO = 100.0  # ratio to full contact above which loads are probab
 LoadsOf = Callable[[Waves], Array]  # Returns the loads of a surface in p_0*, for common loads in Pa.
 
 
-def listed_loads(mean_pressure: ArrayLike) -> tuple[Array, Indices]:
+def listed_loads(
+    loads: ArrayLike, name: str = "mean_pressure", unit: str = units.NORMALISED_PRESSURE
+) -> tuple[Array, Indices]:
     """Return the distinct loads in increasing order, and the position of each given load among them.
 
     ValueError is raised unless the loads, in any order, are positive and finite.
     """
-    loads, position = np.unique(positive_loads(mean_pressure), return_inverse=True)
-    return loads, position
+    distinct, position = np.unique(positive_loads(loads, name, unit), return_inverse=True)
+    return distinct, position
 
 
-def positive_loads(mean_pressure: ArrayLike) -> Array:
+def positive_loads(loads: ArrayLike, name: str = "mean_pressure", unit: str = units.NORMALISED_PRESSURE) -> Array:
     """Return the loads as an array, if they are positive and finite, in the order given."""
-    loads = np.atleast_1d(checked_numbers("mean_pressure", mean_pressure, unit=units.NORMALISED_PRESSURE))
-    if loads.ndim != 1 or loads.size == 0:
-        raise ValueError(f"mean_pressure must be a list of loads, got an array of shape {loads.shape}")
-    checked_numbers("mean_pressure", loads, "be finite", np.isfinite)
-    checked_numbers("mean_pressure", loads, "be positive", lambda loads: loads > 0)
-    return loads
+    found = np.atleast_1d(checked_numbers(name, loads, unit=unit))
+    if found.ndim != 1 or found.size == 0:
+        raise ValueError(f"{name} must be a list of loads, got an array of shape {found.shape}")
+    checked_numbers(name, found, "be finite", np.isfinite)
+    checked_numbers(name, found, "be positive", lambda loads: loads > 0)
+    return found
 
 
 def checked_loads(mean_pressure: ArrayLike) -> Array:
