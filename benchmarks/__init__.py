@@ -8,6 +8,7 @@
 | `direct_solution` | direct solutions against conjugate gradients |
 | `estimates` | errors of the estimates on ensembles, and the exponent of the stiffness |
 | `expected_seconds` | measured over expected seconds of each method, and their constants |
+| `grid_resistance` | errors of the resistance of boundary elements, by the active set and by differences |
 | `node_counts` | Chebyshev coefficients that contacts and gaps need, and the factors of their number |
 | `same_grid` | speed of weier and other programs on the same grids |
 | `to_error` | processor time of weier and other programs to a given error |

@@ -4,7 +4,7 @@ from benchmarks.threads import use_one_thread
 
 NAMES = (
     *("artefacts", "direct_solution", "estimates", "expected_seconds"),
-    *("node_counts", "same_grid", "to_error", "truncated_resistance", "tuning"),
+    *("grid_resistance", "node_counts", "same_grid", "to_error", "truncated_resistance", "tuning"),
 )
 
 
