@@ -11,7 +11,6 @@ measured, and detects corruption on disk. Chunks are those of netCDF: chunks of 
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -142,6 +141,8 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     checked_file(path)
     try:
         parts = xr.open_groups(path, engine="netcdf4", cache=False)
+    except (PermissionError, TimeoutError):  # the file may be whole; the other is a time limit
+        raise
     except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # attributes raise too
         raise _unreadable(path, error) from None
 
@@ -206,14 +207,9 @@ def _over_loads(name: str) -> tuple[str, ...]:
     return tuple(dim for dim in VARIABLES[name].dims if dim not in RUN)
 
 
-def _unreadable(path: str | Path, error: Exception) -> Exception:
+def _unreadable(path: str | Path, error: Exception) -> ValueError:
     """Return an error that explains why netCDF cannot open or read the file, since its own error does not."""
-    if isinstance(error, TimeoutError):  # the caller's time limit, no fault of the file
-        return error
-    name = readable(str(path))
-    if not os.access(path, os.R_OK):
-        return PermissionError(f"{name} may be whole, but is closed to reading: open it for reading")
     return ValueError(
-        f"{name} is not a whole netCDF file ({error}): close it in a program that still writes it; if there is none, "
-        "and weier made it, delete it and make it again"
+        f"{readable(str(path))} is not a whole netCDF file ({error}): close it in a program that still writes it; if "
+        "there is none, and weier made it, delete it and make it again"
     )

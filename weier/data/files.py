@@ -26,10 +26,12 @@ def replacing(path: str | Path) -> Iterator[Path]:
     try:
         yield temporary
         os.replace(temporary, path)
-    except (OSError, RuntimeError) as error:  # netCDF calls a full disk "HDF error" or "Permission denied".
-        _check_space(temporary, path)
-        if isinstance(error, OSError) and str(error.filename) == str(temporary):  # the path may be a folder
-            raise _unwritable(path, error) from None
+    except (OSError, RuntimeError):  # netCDF calls a full disk "HDF error" or "Permission denied".
+        try:
+            with temporary.open("ab") as file:
+                file.write(bytes(2**20))
+        except OSError as error:
+            raise OSError(f"{path} cannot be written: {error.strerror}; fix this and rerun") from None
         raise
     finally:
         with ignoring_errors_of_disks():
@@ -58,17 +60,3 @@ def check_target(path: str | Path) -> None:
         reasons = {str(error.strerror): True}
     for reason in (reason for reason, holds in reasons.items() if holds):
         raise OSError(f"{path} cannot be written ({reason}): name another file, in a folder that you can write to")
-
-
-def _check_space(temporary: Path, path: Path) -> None:
-    """Raise an error with the reason if nothing can be written."""
-    try:
-        with temporary.open("ab") as file:
-            file.write(bytes(2**20))  # finds the error that netCDF hides, such as a full disk
-    except OSError as error:
-        raise _unwritable(path, error) from None
-
-
-def _unwritable(path: Path, error: OSError) -> OSError:
-    """Return the error with the final file name instead of the temporary one."""
-    return OSError(f"{path} cannot be written: {error.strerror}; fix this and rerun")
