@@ -201,19 +201,6 @@ def test_the_bias_of_D_is_half_its_curvature_in_each_power():
     assert bias == pytest.approx(1.7 * np.sum(above + below - 2 * D(0, 0.0)) / 2e-6, rel=1e-4)
 
 
-def test_long_lines_show_no_bias():
-    """On 20 of the longest wavelengths that are compared, and five octaves below."""
-    random, lines, D = np.random.default_rng(7), 60, 1.8
-    found = [
-        fit(Trace(1e-8 * random_line(D, 1280, random, 1 / 20)[0], 1e-3, 1e-3 / 640, unit="m"), longest=5e-5)
-        for _ in range(lines)
-    ]
-    off = np.array([result.D for result in found]) - D
-    assert abs(off.mean()) < 3 * off.std() / math.sqrt(lines)
-    stated = np.median([result.D_error for result in found])
-    assert off.std() == pytest.approx(stated, rel=3 / math.sqrt(2 * lines))
-
-
 def test_a_scratch_that_decides_on_the_fit_is_reported():
     random = np.random.default_rng(1)
     x = np.arange(2000)
@@ -262,14 +249,6 @@ def test_a_scratch_that_leaves_no_power_law_is_named_in_the_error(start, says):
     scratch = 30 * line.std() * np.where((x >= 0) & (x < 200), np.sin(np.pi * x / 200) ** 2, 0)
     with pytest.raises(ValueError, match=rf"beta between 1 and 3, got 3\.\d+ from .*: the heights from x = {says}"):
         fit(Trace((line - scratch) / line.std(), 2e-3, x_unit="m", height_unit="um"))
-
-
-def test_a_scratch_across_two_parts_of_noise_is_named_in_the_error():
-    """Noise falls too slowly for a series, as profiles with a scratch fall too fast."""
-    x = np.arange(4000) - 300
-    scratch = 5 * np.where((x >= 0) & (x < 200), np.sin(np.pi * x / 200) ** 2, 0)
-    with pytest.raises(ValueError, match=r"got 0\.\d+ from .*: the heights from x = 5e-05 to 0.00015 m, a 10th"):
-        fit(Trace(1e-8 * (np.random.default_rng(0).normal(size=4000) - scratch), 1e-3, unit="m"))
 
 
 def test_the_fit_gives_a_profile():
@@ -417,17 +396,3 @@ def test_a_bend_that_is_not_significant_adds_its_effect_times_its_probability():
     pure = spectrum._law(band._replace(variance=band.k**-2.4), 1 / 8, 1 / 512, Fraction(2))
     bias = np.array([law.D - pure.D, math.log(law.g_0 / pure.g_0)])
     np.testing.assert_allclose(doubt * (1 + math.exp(MIN_BEND_GAIN - bend.gain)), bias**2, rtol=0.15)
-
-
-def test_missing_heights_that_are_filled_move_a_fit_little():
-    """A tenth of the heights, in runs of five: the straight lines lack the finest waves."""
-    random = np.random.default_rng(1)
-    line = random_line(1.25, 2000, random, 1 / 4)[0]
-    gone = np.zeros(2000, bool)
-    for start in random.choice(np.arange(10, 1980, 10), 40, replace=False):
-        gone[start : start + 5] = True
-    whole, filled = (
-        fit(Trace(z / line.std(), 2e-3, height_unit="um", max_gap=5)) for z in (line, np.where(gone, np.nan, line))
-    )
-    assert abs(filled.D - whole.D) < 0.5 * whole.D_error
-    assert filled.g_0 == pytest.approx(whole.g_0, rel=0.02)
