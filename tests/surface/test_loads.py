@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from weier import Profile, solve
+from weier import Profile
 from weier.surface.loads import check_pascal, check_range, checked_load, checked_loads, listed_loads, unit_doubt
 
 TWO_WAVES = Profile(1.25, 5, 2, 1.0)  # in full contact under 1 + 5^(1/4) = 2.495 p_0* at most
@@ -51,11 +51,3 @@ def test_scenes_have_loads_of_which_rounding_leaves_digits():
     for check, wrong in ((check_range, [9e-13, 1.0]), (check_range, [1.0, 1.1e12]), (check_pascal, [1.1e13])):
         with pytest.raises(ValueError, match=r"loads must (lie in|be at most)"):
             check(np.array(wrong))
-
-
-def test_loads_come_back_in_the_order_given_and_are_solved_once():
-    given = [1.0, 0.1, 1.0, 0.3]
-    solved = solve(TWO_WAVES, given, "demelio")
-    in_order = solve(TWO_WAVES, [0.1, 0.3, 1.0], "demelio")
-    assert solved.mean_pressure.values.tolist() == given
-    assert solved.compliance.values.tolist() == in_order.compliance.sel(mean_pressure=given).values.tolist()

@@ -239,15 +239,12 @@ def test_a_scratch_that_changes_g_0_alone_is_reported():
     assert without == pytest.approx(clean.g_0, abs=clean.g_0_error)
 
 
-@pytest.mark.parametrize(
-    ("start", "says"), [(400, "0.0002 to 0.0003 m, a 20th"), (300, "0.0001 to 0.0003 m, a 10th")]
-)
-def test_a_scratch_that_leaves_no_power_law_is_named_in_the_error(start, says):
-    """Within one part of the line, and across two."""
+def test_a_scratch_that_leaves_no_power_law_is_named_in_the_error():
     line = random_line(1.25, 4000, np.random.default_rng(2), 1 / 4)[0]
-    x = np.arange(4000) - start
+    x = np.arange(4000) - 400
     scratch = 30 * line.std() * np.where((x >= 0) & (x < 200), np.sin(np.pi * x / 200) ** 2, 0)
-    with pytest.raises(ValueError, match=rf"beta between 1 and 3, got 3\.\d+ from .*: the heights from x = {says}"):
+    says = r"beta between 1 and 3, got 3\.\d+ from .*: the heights from x = 0\.0002 to 0\.0003 m, a 20th"
+    with pytest.raises(ValueError, match=says):
         fit(Trace((line - scratch) / line.std(), 2e-3, x_unit="m", height_unit="um"))
 
 

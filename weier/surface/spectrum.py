@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -160,7 +161,7 @@ def fit(
     first, last = _band(trace, longest, shortest, ratio)
     law = whole_law = _law(whole, first, last, ratio)
     rolloff, doubt = None, np.zeros(2)
-    artefact = _artefact(trace, z, law) or ("" if 1 < law.D < 2 else _artefact(trace, z, law, width=2))
+    artefact = _artefact(trace, z, law)
     if not artefact:  # The spectra of scratches have bends.
         given = {LONG: longest is not None, SHORT: shortest is not None}
         law, rolloff, doubt = _straight_law(whole, law, last, given)
@@ -341,17 +342,15 @@ def _straight_law(
     return law, rolloff, doubt
 
 
-def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
+def _artefact(trace: Trace, z: Array, law: Law) -> str:
     """Return a sentence on the part of the line that dominates the fit, as a scratch does; empty if none does.
 
-    Each window of `width` parts of the heights z is replaced by a straight line, which removes its fine waves from
-    the spectrum.
+    Each part of the heights z is replaced by a straight line, which removes its fine waves from the spectrum.
     """
-    ends = np.linspace(0, z.size, PARTS + 1).astype(int)
-    windows = list(zip(ends[:-width].tolist(), ends[width:].tolist(), strict=True))
+    parts = list(pairwise(np.linspace(0, z.size, PARTS + 1).astype(int).tolist()))
     around = _extended(trace, z)
-    without = np.empty((2, len(windows)))  # columns: D and ln g_0
-    for part, (start, end) in enumerate(windows):
+    without = np.empty((2, PARTS))  # columns: D and ln g_0
+    for part, (start, end) in enumerate(parts):
         flat = z.copy()
         flat[start:end] = np.interp(np.arange(start, end), [start - 1, end], around[[start - 1, end % around.size]])
         k, variance, *_ = _spectrum(trace, flat).between(law.longest, law.shortest)
@@ -363,13 +362,13 @@ def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
     at = int(over_error.max(axis=0).argmax())
     if not over_error[:, at].max() > DOMINANCE_DEVIATIONS:
         return ""
-    x = np.array(windows[at]) / trace.samples * trace.lambda_0
+    x = np.array(parts[at]) / trace.samples * trace.lambda_0
     (D_error, g_0_error), (D_shift, g_0_shift) = law.errors.tolist(), shift[:, at].tolist()
     return (
-        f"the heights from x = {x[0]:.4g} to {x[1]:.4g} m, a {PARTS // width}th of the line, decide on the fit: D is "
+        f"the heights from x = {x[0]:.4g} to {x[1]:.4g} m, a {PARTS}th of the line, decide on the fit: D is "
         f"{law.D:.3g} +- {D_error:.1g} with them and {law.D + D_shift:.3g} without, g_0 {law.g_0:.3g} +- "
         f"{law.g_0 * g_0_error:.1g} m and {law.g_0 * math.exp(g_0_shift):.3g} m. Is there a scratch or dust? Cut the "
-        f"line there, or write the heights as missing, nan, and say max_gap={windows[at][1] - windows[at][0]}"
+        f"line there, or write the heights as missing, nan, and say max_gap={parts[at][1] - parts[at][0]}"
     )
 
 

@@ -84,7 +84,6 @@ ORDINARY = {
     "ends of lines of Windows": (columns().replace("\n", "\r\n"), {}),
     "ends of lines of an old Macintosh": (column().replace("\n", "\r"), {"length": 1e-3}),
     "ends of lines converted twice": (column().replace("\n", "\r\r\n"), {"length": 1e-3}),
-    "end of a file of DOS": (columns() + "\x1a", {}),
     "no end of the last line": (columns().rstrip("\n"), {}),
     "remarks below": (columns() + "\n# made by an instrument\n# Ra (um): 0.7\n\n", {}),
     "empty lines between rows": (columns().replace("\n", "\n\n"), {}),
@@ -129,7 +128,7 @@ def test_rare_dialects_are_right_or_refused(file, text, more):
     assert refused is None or re.search(r"line \d+", refused)
 
 
-ENDS = ["\n", "\r\n", "  \n", "\t\n", " \n\t\n\n", "\u00a0\n", ";\n", ",,\n,,\n", "\n\x1a", "\f\n", "\ufeff\n"]
+ENDS = ["\n", "\r\n", "  \n", "\t\n", " \n\t\n\n", "\u00a0\n", ";\n", ",,\n,,\n", "\f\n", "\ufeff\n"]
 
 
 @pytest.mark.parametrize("end", ENDS)
@@ -243,7 +242,6 @@ SETTLED = {
     ),
     "three columns": (INDEX, UNITS, r"line 1, has 3 columns, .* say columns=\(0, 1\)", {"columns": (1, 2)}),
     "columns of text": (TIMES, {}, "say columns=", {"columns": [1, 2]}),
-    "heights in a column of text": (TIMES, {"length": 1e-3}, "say columns=", {"columns": 2}),
     "a step too many": (
         with_line(columns(), "0.5001,0.9"),
         {},
@@ -270,10 +268,8 @@ SETTLED = {
         "line 1, stands above the numbers, .* skip=",
         {"skip": 1},
     ),
-    "a count and a step above two": (columns(heading="200,0.005\n"), UNITS, "in line 2.* skip=", {"skip": 1}),
     "a title above one column": (column(heading="shaft\n"), ALONE, "line 1, stands above .* skip=1", {"skip": 1}),
     "a quantity above": (columns(heading="Cutoff (mm),0.25\n"), UNITS, "line 1, .* say skip=1", {"skip": 1}),
-    "a heading without units": (columns(heading="Cutoff (mm),0.25\nX,Z\n"), {}, "height_unit=", UNITS),
     "wrong units": (columns(heading="x (um),z (um)\n"), {}, "is a unit wrong", {"x_unit": "mm"}),
     "a wrong unit for both": (
         columns(heading="x (um),z (nm)\n"),
@@ -297,19 +293,16 @@ def test_what_is_not_clear_is_refused_and_settled_by_an_argument(file, text, mor
 # Dialects for pandas.
 FOREIGN = {
     "pipes": (columns("|"), UNITS),
-    "colons": (columns(":"), UNITS),
     "colons and decimal commas": (decimal_commas(INDEX.replace(",", ":")), ALONE | {"columns": 2}),
     "whole numbers or decimals": (column([f"{z:.1f}".replace(".", ",") for z in Z], ""), ALONE),
     "thousands": (column(NM), ALONE),
     "thousands with points": (column([z.translate(GERMAN) for z in NM]), ALONE),
     "thousands with points beside decimals": (columns(";", z=[z.translate(GERMAN) for z in NM]), {}),
     "thousands and decimals": (column(NM_3), ALONE),
-    "thousands and decimal commas": (column([z.translate(GERMAN) for z in NM_3]), ALONE),
     "thousands with blanks": (column([z.replace(",", " ") for z in NM]), ALONE),
     "thousands with narrow blanks": (columns(";", z=[z.replace(",", "\u202f") for z in NM]), {}),
     "thousands with apostrophes": (column([z.replace(",", "'") for z in NM_3]), ALONE),
     "a remark within": (with_line(columns(), "# lamp changed"), {}),
-    "a second heading": (with_line(columns(), "x (mm),z (um)"), {}),
     **{name: (text.encode(name), UNITS) for name in ("utf-16-le", "utf-16-be", "cp037") for text in (columns(),)},
 }
 
@@ -500,7 +493,6 @@ def rows(z, x):
             {"columns": (0, 0)},
             r"columns must be the number of the column of heights, .* got \(0, 0\)",
         ),
-        (rows(COS, EVEN), {"decimal": "'"}, "decimal must be one of ., ,"),
     ],
 )
 def test_a_file_that_is_no_trace_is_refused_in_one_sentence(file, text, more, says):
@@ -532,20 +524,12 @@ def test_text_is_read_by_its_mark_or_as_utf_8_or_as_of_windows(file, content):
         (b"PK\x03\x04", "is no text, .* workbook as CSV"),
         (TEXT.encode() + b"\x00\x00\n", r"no text, got the control character '\\x00' in line 202: .*pandas"),
         (TEXT.encode("utf-16")[:-1], "is no text, got"),
-        (TEXT.encode("utf-32"), "is no text, got"),
         (b"\x01\x00\x02\x00" * 100, "is no text, got"),
     ],
 )
 def test_what_is_no_text_is_refused(file, content, says):
     with pytest.raises(ValueError, match=says):
         Trace.read(file(content))
-
-
-def test_a_trace_is_named_by_its_file(file):
-    trace = Trace.read(file(TEXT))
-    assert trace.source == "shaft.csv"
-    assert trace.describe().startswith("trace shaft.csv of 200 heights over 0.001 m")
-    assert Trace.read(file(TEXT), source="shaft, at 30 degrees").source == "shaft, at 30 degrees"
 
 
 def test_lengths_are_the_decimal_numbers_of_the_file(file):

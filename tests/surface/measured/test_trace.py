@@ -1,7 +1,6 @@
 """A trace: its waves against the heights they come from, its units, and what it refuses."""
 
 import pickle
-from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pandas as pd
@@ -129,15 +128,6 @@ def test_a_trace_of_many_metres_is_doubted():
         Trace(COS, 80.0, unit="m")
     assert [one.filename for one in warned] == [__file__]
     Trace(COS, 1.0, unit="m")
-
-
-@pytest.mark.parametrize("name", ["shortest", "amplitude", "another"])
-def test_a_trace_does_not_change_after_it_is_made(name):
-    trace = Trace(rough(64), LENGTH, unit="m")
-    with pytest.raises(FrozenInstanceError):
-        setattr(trace, name, 1e-4)
-    with pytest.raises(FrozenInstanceError):
-        delattr(trace, name)
 
 
 def test_what_is_done_to_its_waves_or_its_heights_does_not_reach_a_trace():

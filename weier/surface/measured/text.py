@@ -23,7 +23,6 @@ from weier.surface.measured.lines import HEIGHTS, POSITIONS, Line, cell_quantity
 
 MAX_BYTES = 2 * 10**8  # 10^6 rows of 200 characters
 BINARY = re.compile("[\x00-\x08\x0e-\x19\x1c-\x1f]")  # control characters that no text has
-END_OF_FILE = "\x1a"  # written by DOS programs at the end of a text
 BLANK = " "  # the delimiter that stands for any blanks between columns
 TYPOGRAPHIC_SIGNS = {  # ASCII signs in numbers for typographic ones
     **dict.fromkeys(map(ord, "\u2010\u2011\u2012\u2013\u2212\ufe63\uff0d"), "-"),
@@ -356,7 +355,6 @@ def _text(path: Path) -> str:
         text = content.decode("utf-16" if content.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig")
     except UnicodeError:
         text = content.removeprefix(b"\xef\xbb\xbf").decode("cp1252", "replace")
-    text = text.rstrip(END_OF_FILE)
     if first := BINARY.search(text):
         line = text.count("\n", 0, first.start()) + 1
         raise NotTextError(
