@@ -8,6 +8,7 @@ import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+import psutil
 import pytest
 
 from tests.snakemakes import snakemake
@@ -103,22 +104,18 @@ def wait(until):
         time.sleep(0.02)
 
 
-def gone(process):
+def gone(number):
     """Whether a process has ended, also as a zombie."""
-    status = Path(f"/proc/{process}/status")
-    return not status.exists() or "State:\tZ" in status.read_text()
+    try:
+        return psutil.Process(number).status() == psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return True
 
 
-def processes_of(session):
-    """The states of all processes of a session that have not ended."""
-    states = [text.rpartition(")")[2].split() for text in all_states()]
-    return [state for state in states if int(state[3]) == session and state[0] != "Z"]
-
-
-def all_states():
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):  # it has ended since
-            yield path.read_text()
+def works_in(session, number):
+    """Whether a process belongs to a session and has not ended."""
+    with suppress(ProcessLookupError):
+        return os.getsid(number) == session and not gone(number)
 
 
 def test_what_is_stopped_or_killed_leaves_a_run_that_the_next_one_ends(checkout, undisturbed, tmp_path, ctrl_c):
@@ -136,7 +133,7 @@ def test_what_is_stopped_or_killed_leaves_a_run_that_the_next_one_ends(checkout,
         process.kill()
         process.wait(PATIENCE)
         assert not gone(worker)
-    wait(lambda: not processes_of(process.pid))
+    wait(lambda: not any(works_in(process.pid, number) for number in psutil.pids()))
     assert list(curves.rglob("*.npz"))  # of the job that it had begun; no other begins
     assert not any((checkout / "results/test" / name).exists() for name in PRODUCTS)
     assert run(checkout, "--unlock")[0] == 0

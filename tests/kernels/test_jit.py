@@ -4,12 +4,10 @@ import re
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 
 from tests.marks import compiled
 from weier.digests import KERNELS, PACKAGE
-from weier.kernels.jit import in_any_order, kernel
 
 PROGRAM = """
 from weier.kernels.jit import kernel
@@ -69,31 +67,6 @@ def test_compiling_is_no_part_of_the_seconds_of_a_solution(package):
     )
     first, second = map(float, run(package, program)[0].split()[1:])
     assert first == second > 0.01
-
-
-@in_any_order
-@kernel
-def sum_in_any_order(values):
-    total = 0.0
-    for i in range(values.size):
-        total += values[i]
-    return total
-
-
-@kernel
-def sum_in_order(values):
-    total = 0.0
-    for i in range(values.size):
-        total += values[i]
-    return total
-
-
-@compiled
-def test_sums_keep_their_order_unless_told_otherwise():
-    """In its order, 1e16 + 1 + ... + 1 - 1e16 loses each 1; sums in several lanes keep those of the other lanes."""
-    values = np.array([1e16, *np.ones(998), -1e16])
-    assert sum_in_order(values) == 0
-    assert sum_in_any_order(values) > 100
 
 
 def test_kernels_are_made_of_the_folders_that_name_the_cache():

@@ -16,7 +16,7 @@ PROGRAM = """
 import math, os, random, signal, sys, threading, time
 import numpy as np
 import weier
-from weier.methods.registry import METHODS
+from weier.methods.registry import numerical_names
 
 random.seed(int(sys.argv[2]))
 LOADS = np.geomspace(1e-2, 2, 12)
@@ -24,15 +24,7 @@ LOADS = np.geomspace(1e-2, 2, 12)
 def profile(m=4):
     return weier.Profile(D=1.4, gamma=3, m=m, phases=weier.random_phases(random.randrange(10**6)))
 
-def of(method):
-    if method.takes(profile()):
-        return lambda: weier.solve(profile(), LOADS, method.name)
-    if method.takes(profile(math.inf)):
-        return lambda: weier.solve(weier.Profile(1.05 + 0.01 * random.random(), 10, math.inf), LOADS, method.name)
-    return lambda: weier.solve(profile(1), LOADS, method.name)
-
-calls = {method.name: of(method) for method in METHODS}
-calls["nodes"] = lambda: weier.solve(profile(), LOADS, "bem", staircase="kept")
+calls = {name: lambda name=name: weier.solve(profile(), LOADS, name) for name in numerical_names()}
 calls["fields"] = lambda: weier.fields(profile(), 0.1)
 calls["events"] = lambda: weier.events(profile(3), 0.05, 0.5)
 calls["choice"] = lambda: weier.solve(weier.Profile(1.25, 5, math.inf), LOADS, tolerance=1e-2)
