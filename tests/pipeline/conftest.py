@@ -3,7 +3,6 @@
 import pytest
 
 from tests.scenes import scene_in, solve_scene
-from weier.api import batch
 
 SCENE = """
 title: test
@@ -21,12 +20,6 @@ def loaded(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def solved(loaded):
-    """All its cases, as one batch."""
-    return batch.solve_batch(loaded.distinct, loaded.loads)
-
-
-@pytest.fixture(scope="session")
 def solutions(loaded, tmp_path_factory):
-    """The same from files, several of them."""
+    """All its cases, in several files."""
     return solve_scene(loaded, tmp_path_factory.mktemp("scene") / "curves", jobs=2)

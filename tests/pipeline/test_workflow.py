@@ -85,14 +85,6 @@ def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_i
     assert [own.minutes(job, attempt) for attempt in (1, 2)] == [630, 1260]
 
 
-def test_a_figure_may_be_called_all(folder):
-    """It is made alone if it is named."""
-    change(folder, "  one:", "  all:")
-    own = plan()
-    assert own.job("test", "all")[0].startswith("results/test/.made_of/1-of-4.")
-    assert [stamp.partition("/")[0] for stamp in own.stamps(of(share="1-of-4"))] == ["all"]
-
-
 def test_a_wrong_scene_ends_in_one_sentence(folder):
     change(folder, "1.25, gamma: 5, m: [1", "2.25, gamma: 5, m: [1")
     for function in (lambda: plan().all_files(of()), lambda: solved(plan(), "one")):

@@ -5,11 +5,10 @@ Planning writes nothing. An invalid scene or folder ends the run with one senten
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,7 @@ from weier.pipeline.store import Store
 from weier.scene import Scene
 from weier.scene.identity import digest_of_keys
 
-CONFIG_KEYS = ("scenes",)  # keys that `snakemake --config` accepts
+RESULTS = Path("results")
 ALL = "all.products"  # of the scenes of the configuration; the name of a figure has no dot
 BETWEEN = "~"  # separates scene and product; neither name contains it
 # Minutes of a job in addition to the expected ones, for a busy disk; expected seconds may be wrong by this factor. A
@@ -50,38 +49,19 @@ class Plan:
     that can run at once.
     """
 
-    def __init__(
-        self, names: Sequence[str], load: Callable[[str], Scene], slots: int, results: str = "results"
-    ) -> None:
-        self.names, self.slots, self.results = names, slots, Path(results)
-        self._load, self._makes_all = load, False
+    def __init__(self, names: Sequence[str], load: Callable[[str], Scene], slots: int) -> None:
+        self.names, self.slots, self.numerics, self._makes_all = names, slots, numerics(), False
+        store = Store(RESULTS / "curves", self.numerics)
         # Cached, since Snakemake calls them several times.
-        self.scene, self.curves = cache(self._scene), cache(self._curves)
+        self.scene = cache(ending_in_one_sentence()(load))
+        self.curves = cache(lambda name: Curves(self.scene(name), store))
         self.missing, self.stamp = cache(self._missing), cache(self._stamp)
-
-    @cached_property
-    def numerics(self) -> str:
-        """The name of the numerics of the code that plans."""
-        return numerics()
-
-    @cached_property
-    def store(self) -> Store:
-        """The solved curves."""
-        return Store(self.results / "curves", self.numerics)
-
-    @ending_in_one_sentence()
-    def _scene(self, name: str) -> Scene:
-        return self._load(name)
-
-    @ending_in_one_sentence()
-    def _curves(self, name: str) -> Curves:
-        return Curves(self.scene(name), self.store)
 
     @ending_in_one_sentence()
     def check_folders(self) -> None:
         """Refuse folders of results that are closed to writing, before anything runs."""
         for folder in ("", *self.names):
-            check_target(self.results / folder / "any")
+            check_target(RESULTS / folder / "any")
 
     # --- products ---
 
@@ -91,7 +71,7 @@ class Plan:
         files = []
         for name in self.names:
             for product in products.names_of(self.scene(name)):
-                files += [str(self.results / name / file) for file in products.files_of(product)]
+                files += [str(RESULTS / name / file) for file in products.files_of(product)]
                 files.append(self.job(name, product)[0])
         return files
 
@@ -99,7 +79,7 @@ class Plan:
     def _stamp(self, name: str, product: str) -> tuple[Path, bool]:
         """Return the stamp of a product, and whether it is fresh; dates do not matter."""
         curves = self.curves(name)
-        return products.stamp_of(self.results / name, product, products.made_of(curves, product))
+        return products.stamp_of(RESULTS / name, product, products.made_of(curves, product))
 
     def job(self, name: str, product: str) -> tuple[str, bool]:
         """Return the folder of the job that makes a product, or that made it, and whether the product is fresh.
@@ -113,7 +93,7 @@ class Plan:
         count = self.slots if self._is_of_all(name) else len(named)
         share = f"{named.index(product) % count}-of-{count}"
         stamps = digest(self._stamps(name, share))[:DIGITS]
-        return str(self.results / name / products.STAMPS / f"{share}.{stamps}"), False
+        return str(RESULTS / name / products.STAMPS / f"{share}.{stamps}"), False
 
     def stamps(self, wildcards: Any, output: Any = None) -> list[str]:
         """Return the stamps of the products that a job makes."""
@@ -130,7 +110,7 @@ class Plan:
     @property
     def new_digests(self) -> str:
         """A pattern that matches digests of missing folders of jobs only, since no rule makes existing ones."""
-        known = {path.suffix[1:] for path in self.results.glob(f"*/{products.STAMPS}/*")}
+        known = {path.suffix[1:] for path in RESULTS.glob(f"*/{products.STAMPS}/*")}
         return rf"(?!({'|'.join(sorted(known))})$)[0-9a-f]+" if known else "[0-9a-f]+"
 
     # --- curves ---
@@ -151,9 +131,9 @@ class Plan:
         """Return the jobs that solve the missing curves: at most `slots`, and none too short."""
         parts = self.missing(what)
         curves, seconds = sum(len(part.keys) for part in parts), _seconds(parts)
-        count = min(self.slots, curves, math.ceil(seconds / JOB_SECONDS))
+        count = min(self.slots, curves, 1 + int(seconds / JOB_SECONDS))
         keys = digest([[part.kind.name, digest_of_keys(part.keys)] for part in parts])[:DIGITS]
-        folder = self.results / "curves" / ".solved" / what / self.numerics / keys
+        folder = RESULTS / "curves" / ".solved" / what / self.numerics / keys
         return [str(folder / f"{number}-of-{count}") for number in range(count)]
 
     def seconds(self, wildcards: Any, output: Any = None) -> int:
@@ -223,7 +203,7 @@ def names_of_scenes(config: Mapping[str, Any]) -> list[str]:
     """
     with ending_in_one_sentence():
         for key in config:
-            checked_word("a key of --config", key, CONFIG_KEYS)
+            checked_word("a key of --config", key, ["scenes"])
         given = config.get("scenes")
         if not isinstance(given, str) or not given.strip():
             raise ValueError(
