@@ -60,7 +60,7 @@ class Plan:
     @ending_in_one_sentence()
     def check_folders(self) -> None:
         """Refuse folders of results that are closed to writing, before anything runs."""
-        for folder in ("", *self.names):
+        for folder in ("", *self.names) if self._makes_all else ("",):
             check_target(RESULTS / folder / "any")
 
     # --- products ---
