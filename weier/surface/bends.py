@@ -79,10 +79,7 @@ class Bend(NamedTuple):
 def likeliest_bend(band: Spectrum, least_ratio: float) -> Bend | None:
     """Return the likeliest bend that leaves a law on at least this ratio of wavelengths; None if there is none.
 
-    Raises
-    ------
-    ValueError
-        If a bend that leaves no room for a law is certainly likelier than all other bends.
+    ValueError is raised if a bend that leaves no room for a law is certainly likelier.
     """
     top, bottom = math.log(band.k[0]), math.log(band.k[-1])
     steps = np.arange(0, bottom - top - math.log(2), math.log(2) / BENDS_PER_OCTAVE).tolist()

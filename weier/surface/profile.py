@@ -126,13 +126,7 @@ class Profile(Waves):
 
     @property
     def terms(self) -> int:
-        """The number of terms, for a finite series.
-
-        Raises
-        ------
-        ValueError
-            If m = inf.
-        """
+        """The number of terms; ValueError if m = inf."""
         if math.isinf(self.m):
             raise ValueError("m = inf has no last term: choose a finite m, or an estimate that has a limit")
         return int(self.m)

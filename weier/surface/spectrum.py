@@ -310,12 +310,8 @@ def _straight_law(
 
     The doubt is a variance of D and ln g_0: the squared bias by the likeliest bend that is not significant, times the
     probability of this bend. Its odds are taken as exp(gain - MIN_BEND_GAIN), so that the errors cover power laws and
-    spectra with bends alike (docs/measured.rst).
-
-    Raises
-    ------
-    ValueError
-        If there certainly is a bend beyond which a `given` end of the band lies.
+    spectra with bends alike (docs/measured.rst). ValueError is raised if a `given` end of the band certainly lies
+    beyond a bend.
     """
     first, rolloff, doubt = law.longest, None, np.zeros(2)
     while bend := likeliest_bend(whole.between(first, last), _least_ratio(law.ratio)):

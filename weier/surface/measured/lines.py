@@ -104,10 +104,7 @@ class Line(NamedTuple):
 def length_of_steps(x: Array, length: float | None, place: Callable[[int], str]) -> float:
     """Return the length of a line, the step times the number of heights, from rising positions, which may be rounded.
 
-    Raises
-    ------
-    ValueError
-        If the steps are not equal, or do not agree with the `length`; `place` names the place of a height.
+    ValueError is raised unless the steps are equal and agree with the `length`; `place` names the place of a height.
     """
     rows, rise = np.arange(x.size), np.diff(x)
     step = float(np.polyfit(rows, x, 1)[0]) if np.isfinite(x).all() else math.nan
@@ -202,18 +199,9 @@ def length_unit(name: str) -> str:
 
 
 def known_unit(what: str, given: Mapping[str, Any], named: Collection[str], required: bool = True) -> str:
-    """Return the common unit that a call and a file or an array name; ValueError if they disagree or name none.
+    """Return the common unit of what the arguments of a call and a file or an array name, empty if none is required.
 
-    Parameters
-    ----------
-    what : str
-        What the unit is of, in words.
-    given : mapping
-        Arguments of the call by their names; None where one is left out.
-    named : collection of str
-        The units that the file or the array names.
-    required : bool
-        Whether it is an error that none is named, instead of an empty name.
+    ValueError is raised if they disagree, or name none.
     """
     own = {name: checked_word(name, unit, UNITS) for name, unit in given.items() if unit is not None}
     found = [*own.values(), *named]

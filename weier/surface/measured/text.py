@@ -59,22 +59,10 @@ def read_columns(
     columns: int | Sequence[int] | None = None,
     decimal: str | None = None,
 ) -> Line:
-    """Return the line of heights in a file of text.
+    """Return the line of heights in a file of text, with arguments as of `weier.Trace.read`.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    skip, rows, columns, decimal
-        As of `weier.Trace.read`; None means: infer from the file.
-
-    Raises
-    ------
-    NotTextError
-        If the file is no text.
-    ValueError
-        If something in the table is not read, or may or may not belong to it: the message has the number of the line
-        and the arguments that settle it.
+    NotTextError is raised if the file is no text, and ValueError if something in the table is not read, or may or may
+    not belong to it; the message has the number of the line and the arguments that settle it.
     """
     if skip is not None:
         skip = checked_count("skip", skip, 0)
