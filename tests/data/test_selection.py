@@ -157,6 +157,17 @@ def test_an_ensemble_has_means_with_their_scatter_and_the_numerical_error():
         largest = by_bem[f"{name}_error"].values.max(axis=0)
         np.testing.assert_array_equal(table[f"{name}_numerical_error"][:2], largest)
     assert table["compliance_numerical_error"][2:].isna().all()
+    unsolved = data[["compliance", "resistance", "contact_fraction"]].where(data.seed != 3)
+    assert unsolved.weier.ensemble()["cases"].tolist() == [4] * 4
+
+
+def test_labels_that_joined_curves_have_in_common_are_those_of_each():
+    each = [weier.solve(Profile(1.5, 3, 2, phase), [0.1, 1.0], "demelio") for phase in (0.0, 1.0)]
+    joined = xr.concat(each, "case", data_vars="all", coords="different", compat="equals")
+    assert joined.D.dims == ()
+    assert joined.weier.table()["D"].tolist() == [1.5] * 4
+    assert joined.weier.cases(D=1.5).sizes["case"] == 2
+    assert joined.weier.ensemble()["cases"].tolist() == [2, 2]
 
 
 def test_negative_labels_that_agree_are_of_one_ensemble():
