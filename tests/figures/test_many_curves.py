@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from tests.scenes import blank
 from weier import figures
 from weier.data.bodies import Bodies
-from weier.figures import interpolation, many_curves
+from weier.figures import interpolation, many_curves, tables
 from weier.scene import Figure as Wanted
 from weier.scene import Grouping
 
@@ -137,3 +137,27 @@ def test_medians_by_arrays_are_those_of_single_curves(sweep: xr.Dataset) -> None
     drawn = [interpolation.line(sweep.isel(case=row), "compliance", "bem") for row in range(SEEDS)]
     middle = np.median([values for _, values in drawn], axis=0)
     np.testing.assert_allclose(axes.get_lines()[0].get_xydata(), np.transpose([drawn[0][0], middle]))
+
+
+def test_traces_of_one_name_are_told_apart_by_what_differs() -> None:
+    """By the digest alone where nothing else differs; a series has no name."""
+    data = blank(5, ["patches"], LOADS, 2)
+    data["compliance"].values[:] = 1.0
+    rows = (
+        ["a/x.csv", 5e-6, "A"],
+        ["a/x.csv", 1e-5, "B"],
+        ["a/_$y.csv", 5e-6, "C"],
+        ["a/_$y.csv", 5e-6, "D"],
+        ["", np.nan, ""],
+    )
+    columns = dict(zip(("trace", "trace_shortest", "trace_digest"), zip(*rows, strict=True), strict=True))
+    data = data.assign_coords({name: ("case", np.array(column)) for name, column in columns.items()})
+    names = tables.table_of([tables.Values(data, "compliance", None)])["trace"].tolist()
+    micro = "\u00b5m"
+    assert names == [
+        f"x.csv, shortest 5 {micro}",
+        f"x.csv, shortest 10 {micro}",
+        r" _\$y.csv, C",
+        r" _\$y.csv, D",
+        "",
+    ]

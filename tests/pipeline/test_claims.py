@@ -300,10 +300,10 @@ def solved_with(loaded, solutions):
 
 
 def test_a_scene_names_claims_that_there_are(solved_with):
-    (mistake,) = claims.check_names(solved_with(archard_above=("two",), archard_abov=("two",)).scene)
+    (mistake,) = claims.check(solved_with(archard_above=("two",), archard_abov=("two",)).scene)
     assert mistake.keys == ("claims", "archard_abov")
     assert mistake.text.endswith("did you mean 'archard_above'?")
-    assert not list(claims.check_names(solved_with(**dict.fromkeys(CLAIMS, ("two",))).scene))
+    assert not list(claims.check(solved_with(**dict.fromkeys(CLAIMS, ("two",))).scene))
 
 
 def test_a_new_claim_is_one_row(solved_with, tmp_path, monkeypatch):
@@ -315,7 +315,7 @@ def test_a_new_claim_is_one_row(solved_with, tmp_path, monkeypatch):
 
     monkeypatch.setitem(CLAIMS, "demelio_exact", exact)
     solutions = solved_with(demelio_exact=("two",))
-    assert not list(claims.check_names(solutions.scene))
+    assert not list(claims.check(solutions.scene))
     claims.write(solutions, tmp_path / "contact.nc", tmp_path / "claims.md")
     study = read_study(solutions, "two")
     found = claims.evaluate("demelio_exact", [study, study])  # a case of two studies counts once

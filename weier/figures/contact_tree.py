@@ -38,30 +38,27 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 def _draw_tree(axes: Axes, case: xr.Dataset) -> None:
     period, loads = curves.profile(case).period, case["mean_pressure"].values
     edges = case["contact_edge"].values.reshape(loads.size, -1, 2)
-    rectangles = _rectangles(edges, loads, period)
-    axes.add_collection(PolyCollection(rectangles, facecolors=style.BLUE, edgecolors="none", label="contact"))
-    left, right, upper, _ = np.transpose(rectangles, (1, 2, 0))
-    ends = np.ravel([left[0], right[0]], "F")  # alternates left and right ends
-    keep_band(axes, "contact", ends, np.repeat(left[1], 2), np.repeat(upper[1], 2))
+    left, right, low, high = _rectangles(edges, loads, period)
+    corners = np.transpose([(left, low), (right, low), (right, high), (left, high)], (2, 0, 1))
+    axes.add_collection(PolyCollection([*corners], facecolors=style.BLUE, edgecolors="none", label="contact"))
+    ends = np.ravel([left, right], "F")  # alternates left and right ends
+    keep_band(axes, "contact", ends, np.repeat(low, 2), np.repeat(high, 2))
     axes.set(xlim=(0, period), yscale="log", ylim=(loads[0], loads[-1]))
     axes.set(xlabel=style.LABELS["x"], ylabel=style.LABELS["mean_pressure"])
     # The legend is above the axes, since contacts may be anywhere within them.
     axes.legend(loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0, handlelength=1)
 
 
-def _rectangles(edges: Array, loads: Array, period: float) -> list[Array]:
-    """Return a rectangle for each contact, up and down to the middle between neighbouring loads.
+def _rectangles(edges: Array, loads: Array, period: float) -> Array:
+    """Return both ends of each contact and loads below and above it, to the middle between neighbouring loads.
 
     A contact across the end of the period is drawn at both ends.
     """
     middle = np.sqrt(loads[1:] * loads[:-1])
-    low, high = np.append(loads[0], middle), np.append(middle, loads[-1])
-    rectangles = []
     edges, full = edges.copy(), ~np.isfinite(edges).any(axis=(1, 2))
     edges[full, 0] = 0.0, period  # full contact, which has no edges, reaches from one end of the period to the other
-    for row, bottom, top in zip(edges, low, high, strict=True):
-        for left, right in row[np.isfinite(row[:, 0])]:
-            for shift in (0.0, -period) if right > period else (0.0,):
-                start, end = left + shift, right + shift
-                rectangles.append(np.array([(start, bottom), (end, bottom), (end, top), (start, top)]))
-    return rectangles
+    row, contact = np.nonzero(np.isfinite(edges[..., 0]))
+    low, high = np.append(loads[0], middle)[row], np.append(middle, loads[-1])[row]
+    found = np.array([*edges[row, contact].T, low, high])
+    across = found[:, found[1] > period] - np.array([[period, period, 0, 0]]).T
+    return np.concatenate([found, across], axis=1)

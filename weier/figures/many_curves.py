@@ -21,7 +21,7 @@ from matplotlib.patches import Patch
 
 from weier.data.bodies import Bodies
 from weier.figures import interpolation, style
-from weier.figures.tables import Extent, Values, extent, table_of, values_of
+from weier.figures.tables import Extent, Values, extent, table_of
 from weier.figures.values import band, line
 from weier.kernels.arrays import Array
 from weier.methods.curve import COMPLIANCE, QUANTITIES
@@ -54,7 +54,6 @@ class PlottedCurve(NamedTuple):
     band : the low and the high end of the band, shape (2, loads); None for a single curve
     members : number of curves
     points : whether to draw points instead of a line, next to a more accurate curve
-    differing : the parameters in which the curves differ
     """
 
     own: Values
@@ -64,7 +63,6 @@ class PlottedCurve(NamedTuple):
     band: Array | None
     members: int
     points: bool
-    differing: Sequence[str] = ()
 
     @property
     def method(self) -> str:
@@ -102,7 +100,7 @@ def compare(
     same D, gamma and m. Returns the figure, its panels, whose common axes the caller sets, and the extent of the
     curves. ValueError is raised if there are no such curves, or some could not be distinguished.
     """
-    tables = values_of(studies, quantity, interface)
+    tables = [Values(study, quantity, interface) for study in studies]
     table = table_of(tables)
     if table.empty:
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
@@ -113,15 +111,12 @@ def compare(
     title, shown = style.limit_panels(title, list(itertools.product(*facet_values)), noun, style.MAX_GRID)
     labels = style.labels_of(interface, unit_of(studies[0]["mean_pressure"]))
     figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], *map(len, facet_values[1:]))
-    differing = {{"phases": "seed"}.get(name, name) for curve in drawn for name in curve.differing}
-    names = [name for name in ("method", *SURFACES, "seed") if name not in (*grouping.facet, *differing)]
-    parameter_values = {name: _values(drawn, name) for name in names}
-    alike = {name: values[0] for name, values in parameter_values.items() if len(values) == 1 and values[0] != ""}
-    shared = (
-        "" if grouping.facet == EACH_CASE.facet else _join(_label(drawn, *parameter) for parameter in alike.items())
-    )
+    names = [name for name in ("method", *SURFACES, "seed") if table[name].nunique(dropna=False) == 1]
+    alike = {name: table[name].iloc[0] for name in names if name not in grouping.facet}
+    in_panels = grouping.facet == EACH_CASE.facet
+    shared = "" if in_panels else _join(_label(drawn, name, value) for name, value in alike.items() if value != "")
     bands: dict[str, Patch] = {}
-    ensembles = values_of(behind, quantity, interface)
+    ensembles = [Values(study, quantity, interface) for study in behind]
     for axes in panels:  # otherwise each band would rescale all panels
         axes.set_autoscale_on(False)
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
@@ -160,15 +155,15 @@ def _reduced(same: pd.DataFrame, tables: Sequence[Values], quantity: str, groupi
     """Return the median of curves that look alike, and their band, or the single curve."""
     first = same.iloc[0].to_dict()
     own = tables[first["study"]]
-    points = bool(first["other_numerical"]) and "method" not in grouping.facet
+    points = first["method"] in numerical_names() and not first["best"] and "method" not in grouping.facet
     if len(same) == 1:
-        loads, values = own.line(first["row"], first["column"], points)
+        place = first["row"], first["column"]
+        loads, values = (own.loads, own.values[place]) if points else own.line(*place)
         return PlottedCurve(own, first, loads, values, None, 1, points)
-    differing = _differing(same)
-    if hidden := grouping.hidden(differing):
+    if hidden := grouping.hidden(_differing(same)):
         raise ValueError(grouping.proposal(hidden))
     loads, (line, *band) = _reduce(same, tables, quantity)
-    return PlottedCurve(own, first, loads, line, np.array(band), len(same), points, differing)
+    return PlottedCurve(own, first, loads, line, np.array(band), len(same), points)
 
 
 def _reduce(same: pd.DataFrame, tables: Sequence[Values], quantity: str) -> tuple[Array, Array]:
@@ -243,9 +238,9 @@ def _draw_behind(
     axes: Axes, tables: Sequence[Values], members: Sequence[PlottedCurve], quantity: str
 ) -> Patch | None:
     """Draw the band of the most accurate curves of an ensemble behind a panel; returns its legend entry."""
-    table = table_of(tables)
-    if table.empty:
+    if not tables:
         return None
+    table = table_of(tables)
     drawn = [tuple(curve.first[name] for name in PARAMETERS) for curve in members]
     here = pd.Series(list(zip(*(table[name] for name in PARAMETERS), strict=True))).isin(drawn)
     entry = None

@@ -57,16 +57,8 @@ def check_figures(loaded: Scene) -> Iterator[Mistake]:
             yield Mistake(("figures", name, *([key] if key else [])), text)
 
 
-def check_claims(loaded: Scene) -> Iterator[Mistake]:
-    """Yield claims of traces: all claims are about the series."""
-    traces = {name for name, study in loaded.studies.items() for product in study.products if "trace" in product.axes}
-    for name, studies in loaded.claims.items():
-        for study in traces.intersection(studies):
-            yield Mistake(("claims", name), f"claims are about the Weierstrass series, and {study} has a trace")
-
-
 # All checks of a scene beyond its cases.
-CHECKS = check_figures, claims.check_names, check_claims
+CHECKS = check_figures, claims.check
 
 
 def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
@@ -76,8 +68,6 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
             yield "draw", unknown("a figure of studies", figure.draw, KINDS)
         return
     kind = KINDS[figure.draw]
-    if kind.needs_studies and not figure.studies:
-        yield "studies", "Field required: the studies that the figure shows"
     if kind.needs and not getattr(loaded, kind.needs):
         yield "draw", f"{figure.draw} needs {kind.needs}: true in the scene"
     products = [

@@ -32,7 +32,6 @@ LEGEND_ROW = 0.17
 GRID_PANELS = {1: (WIDTH, HEIGHT), 2: (2.9, 2.4), 3: (2.3, 2.0)}
 MAX_GRID = 12  # More panels do not fit on a page.
 LINEAR_DECADES = 2  # Over more decades, a linear axis hides the lightest loads.
-FAINT_ALPHA = 0.3  # opacity of single curves among many, so that overlaps remain visible
 LOGARITHMIC_MARGIN = 1.3  # ratio of the ends of a logarithmic axis to the extreme values
 
 GREY = "0.35"  # Legend entries without a colour of their own are grey.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,18 +16,16 @@ from weier.data.bodies import Bodies
 from weier.figures import interpolation, style
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.curve import COMPLIANCE, RESISTANCE
-from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
 
 UNITS = "p_0*", "g_0", "g_0/p_0*"  # units of load, compliance and resistance
-# Properties that may distinguish two traces of one name, in order, with their text in a legend.
+# Properties that may distinguish two traces of one name, with their text in a legend.
 DIFFERENCES: dict[str, Callable[[Any], str]] = {
     "trace_shortest": lambda shortest: f"shortest {1e6 * shortest:.4g} \u00b5m",
     "trace_ends": str,
     "trace_detrend": lambda detrend: f"without {detrend}",
     "trace_length": lambda length: f"length {1e3 * length:.4g} mm",
     "trace_filled": lambda filled: f"{filled:.0f} interpolated",
-    "trace_digest": str,
 }
 
 
@@ -76,26 +74,21 @@ class Values:
         solved, best = curves.most_accurate(study)
         self.best: Indices = np.where(solved, best, -1)
 
-    def line(self, row: int, column: int, points: bool = False) -> tuple[Array, Array]:
-        """Return one curve, at its loads and between them, or as points."""
-        if points or self._quantity != COMPLIANCE:
+    def line(self, row: int, column: int) -> tuple[Array, Array]:
+        """Return one curve, at its loads and between them."""
+        if self._quantity != COMPLIANCE:
             return self.loads, self.values[row, column]
         return interpolation.between_loads(self.loads, self.h[row, column], self.slope[row, column])
-
-
-def values_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | None = None) -> list[Values]:
-    """Return the values of some studies."""
-    return [Values(study, quantity, interface) for study in studies]
 
 
 def table_of(tables: Sequence[Values]) -> pd.DataFrame:
     """Return a table with a row for each curve.
 
-    Columns are the case, its study and row, the method and its column, whether it is the most accurate one or another
-    numerical one, and the parameters: equal phases as one number, phases in place of an unknown seed, and None for
-    the parameters of a trace, which its name identifies.
+    Columns are the case, its study and row, the method and its column, whether it is the most accurate numerical one,
+    and the parameters: equal phases as one number, phases in place of an unknown seed, and None for the parameters of
+    a trace, which its name identifies.
     """
-    parts, first = [pd.DataFrame(columns=["case", "method"])], 0
+    parts, first = [], 0
     for number, (own, names) in enumerate(zip(tables, _names_of_traces(tables), strict=True)):
         study, size = own.study, len(names)
         phases = [_phases(row) for row in study["phases"].values[:, 1:].round(9)]
@@ -110,8 +103,7 @@ def table_of(tables: Sequence[Values]) -> pd.DataFrame:
         cases, first = pd.DataFrame(columns), first + size
         for column, method in enumerate(own.methods):
             best = own.best == column
-            other = ~best & (method in numerical_names())
-            made = cases.assign(method=method, column=column, best=best, other_numerical=other)
+            made = cases.assign(method=method, column=column, best=best)
             parts.append(made[own.known[:, column]])
     return pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
 
@@ -146,42 +138,25 @@ def extent(tables: Sequence[Values]) -> Extent:
 
 
 def _names_of_traces(tables: Sequence[Values]) -> list[list[str]]:
-    """Return a name for the trace of each case of each study, empty for a series."""
-    digests, first = [], dict[str, xr.Dataset]()
-    for own in tables:
-        study, empty = own.study, np.full(own.study.sizes["case"], "")
-        digests.append((study["trace_digest"].values if "trace_digest" in study.variables else empty).astype(str))
-        for digest, row in zip(*np.unique(digests[-1], return_index=True), strict=True):
-            first.setdefault(str(digest), study.isel(case=int(row)))
-    known = dict(zip(first, names_of_traces(first.values()), strict=True))
-    return [[known[digest] for digest in own.tolist()] for own in digests]
-
-
-def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
-    """Return a unique name for the trace of each case, empty for a series.
+    """Return a unique name for the trace of each case of each study, empty for a series.
 
     It consists of the path relative to the common folder and, for several traces of one path, their differences:
     shortest wavelength, ends, and so on, or the digest.
     """
-    traces = [
-        {name: case[name].item() for name in ("trace", *DIFFERENCES) if name in case.coords} or {"trace_digest": ""}
-        for case in cases
-    ]
-    known = list({trace["trace_digest"]: trace for trace in traces if trace["trace_digest"]}.values())
-    folder = os.path.commonprefix([trace["trace"] for trace in known]).rfind("/") + 1  # noqa: RUF071 - of names, not of folders
-    names = {}
-    for trace in known:
-        alike = [other for other in known if other["trace"] == trace["trace"]]
-        names[trace["trace_digest"]] = ", ".join([trace["trace"][folder:] or "trace", *_differences(trace, alike)])
-    shown = (names.get(trace["trace_digest"], "").replace("$", r"\$") for trace in traces)
-    return [f" {name}" if name.startswith("_") else name for name in shown]  # matplotlib hides "_..."
-
-
-def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str]:
-    """Return the shortest list of texts, in order, that distinguishes a trace from others of the same name."""
-    found: list[str] = []
-    for name, text in DIFFERENCES.items():
-        if len(alike) > 1 and name in trace and len({other[name] for other in alike}) > 1:
-            found.append(text(trace[name]))
-            alike = [other for other in alike if other[name] == trace[name]]
-    return found
+    parts = []
+    for own in tables:
+        columns = ["trace", "trace_digest", *DIFFERENCES]
+        known = {name: own.study[name].values for name in columns if name in own.study.variables}
+        part = pd.DataFrame(known, range(own.study.sizes["case"]), columns)
+        parts.append(part.fillna({"trace": "", "trace_digest": ""}))
+    traces = pd.concat(parts).drop_duplicates("trace_digest").query("trace_digest != ''")
+    folder = os.path.commonprefix(traces["trace"].tolist()).rfind("/") + 1  # noqa: RUF071 - of names, not of folders
+    names = {"": ""}
+    for path, alike in traces.groupby("trace"):
+        differing = [name for name in DIFFERENCES if alike[name].notna().all() and alike[name].nunique() > 1]
+        texts = [[DIFFERENCES[name](trace[name]) for name in differing] for _, trace in alike.iterrows()]
+        for digest, own_texts in zip(alike["trace_digest"], texts, strict=True):
+            unique = [digest] * (texts.count(own_texts) > 1)
+            name = ", ".join([path[folder:] or "trace", *own_texts, *unique]).replace("$", r"\$")
+            names[digest] = f" {name}" if name.startswith("_") else name  # matplotlib hides "_..."
+    return [[names[digest] for digest in part["trace_digest"]] for part in parts]

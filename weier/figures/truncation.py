@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from weier.data import curves
 from weier.figures import interpolation, style
-from weier.figures.tables import extent, values_of
+from weier.figures.tables import Values, extent
 from weier.figures.values import band, line
 from weier.methods.curve import COMPLIANCE
 from weier.surface.profile import PARAMETERS
@@ -37,7 +37,7 @@ def draw(studies: Sequence[xr.Dataset], title: str, quantity: str) -> Figure:
             axes.legend(loc="lower right")
         else:
             longest = curves.as_study(cases[-1]).sel(solution_method=[curves.numerical_method(cases[-1])])
-            style.set_logarithmic_axes(axes, *extent(values_of([longest], quantity)))
+            style.set_logarithmic_axes(axes, *extent([Values(longest, quantity, None)]))
             axes.legend(loc="lower left")
     return figure
 
@@ -48,15 +48,18 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
     by_terms = curves.groups(cases, "m")
     looks = style.family(len(by_terms))
     for look, same in zip(looks, by_terms, strict=True):
-        thin = {"linewidth": 0.4, "alpha": style.FAINT_ALPHA} if len(same) > 1 else {}
-        for number, case in enumerate(same):
-            hidden = {} if number == 0 else {"label": None}
+        for case in same:
             drawn = interpolation.line(case, quantity, curves.numerical_method(case))
             if drawn is not None:
                 name = style.describe(case, "m")
-                line(axes, name, drawn[0], drawn[1] + datum(case, quantity), **look | thin | hidden)
-    alone = [(same[0], look["color"]) for look, same in zip(looks, by_terms, strict=True) if len(same) == 1]
-    interpolation.draw_sparse_points(axes, quantity, [(case, datum(case, quantity), color) for case, color in alone])
+                label = name if case is same[0] else None
+                line(axes, name, drawn[0], drawn[1] + datum(case, quantity), label=label, **look)
+    rows = [
+        (case, datum(case, quantity), look["color"])
+        for look, same in zip(looks, by_terms, strict=True)
+        for case in same
+    ]
+    interpolation.draw_sparse_points(axes, quantity, rows)
 
 
 def datum(case: xr.Dataset, quantity: str) -> float:

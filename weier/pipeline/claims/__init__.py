@@ -18,17 +18,20 @@ from weier.scene import Mistake, Scene
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
+__all__ = ["CLAIMS", "Claim", "Judgement", "check", "evaluate", "write"]
 
 # Variables that no claim uses: they take much of the memory of a large study.
 UNUSED = ("indentation", "residual", "work", "settings", "status", "origin", "contact_edge")
 
 
-def check_names(scene: Scene) -> Iterator[Mistake]:
-    """Yield mistakes for claims of a scene that are not in CLAIMS."""
-    for name in scene.claims:
+def check(scene: Scene) -> Iterator[Mistake]:
+    """Yield mistakes for claims of a scene that are not in CLAIMS, or about traces: all are about the series."""
+    traces = {name for name, study in scene.studies.items() for product in study.products if "trace" in product.axes}
+    for name, studies in scene.claims.items():
         if name not in CLAIMS:
             yield Mistake(("claims", name), unknown("a claim", name, CLAIMS))
+        for study in traces.intersection(studies):
+            yield Mistake(("claims", name), f"claims are about the Weierstrass series, and {study} has a trace")
 
 
 def write(curves: Curves, path: str | Path, table: str | Path) -> None:
