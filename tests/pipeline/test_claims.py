@@ -238,16 +238,6 @@ def test_what_is_measured_for_a_claim(name, cases, values):
     assert [finding.number.value for finding in found[: len(values)]] == pytest.approx(values, rel=0.01)
 
 
-def test_the_layer_may_be_best_but_at_the_lightest_loads():
-    found = judged("resistance_errors", ratios(0.8, 1.3, np.where(LOADS < 0.02, 2.0, 1.05))).findings
-    best = [
-        finding
-        for finding in found
-        if "root mean" in finding.number.quantity and ", mean of" in finding.ensemble.name
-    ]
-    assert [(finding.outcome, finding.decides) for finding in best] == [(YES, True), (NO, False)]
-
-
 def test_one_independent_contact_is_the_contact_of_one_wave():
     """And N of them in a period have the resistance of one over N."""
     xi = np.minimum(LOADS, 0.999)
@@ -290,7 +280,9 @@ def test_single_profiles_and_the_other_datum_stand_beside_the_verdict():
         "mean of 6": True,
         "one by one": False,
     }
-    assert max(finding.number.value for finding in found if finding.number.unit == "%") > 0.15
+    found = judged("resistance_errors", ratios(0.8, 1.3, np.where(LOADS < 0.02, 2.0, 1.05))).findings
+    best = [one for one in found if "root mean" in one.number.quantity and ", mean of" in one.ensemble.name]
+    assert [(one.outcome, one.decides) for one in best] == [(YES, True), (NO, False)]  # not at the lightest loads
 
 
 @pytest.fixture
