@@ -257,7 +257,7 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
 
     Its moves are bounds on the moves of the next step: the contribution of rounding of the singularity, in g_0, and
     twice the square of the present ones, since the strength B changes with the edges as well.
-    `motion` remains that of the step, which has been made.
+    `motion` is 0, since it has been made.
     """
     punches, gap, (shift, growth) = step.punches, step.punches.gap, step.motion
     old = punches.segments
@@ -268,7 +268,10 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.append(gap[-1], gap[:-1])))
     rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
     left = 2 * step.move**2 * narrowest[:, None] + rounded[:, None] * np.abs(step.outward)
-    return step._replace(punches=moved, forces=step.forces._replace(force=force), b=b, a=a, outward=left)
+    motion = np.zeros_like(step.motion)
+    return step._replace(
+        punches=moved, forces=step.forces._replace(force=force), b=b, a=a, outward=left, motion=motion
+    )
 
 
 def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) -> Array:
