@@ -22,6 +22,7 @@ from weier.methods.patches.kind import (
     NEW_CONTACT_WIDTH,
     OnContacts,
 )
+from weier.methods.patches.pressure_and_gap import work_of_forces
 from weier.methods.patches.segments import ContactState, integrals
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface
 from weier.methods.patches.thin_gaps import densities_on_contacts
@@ -162,11 +163,11 @@ class Contacts:
         sign = np.stack([(-1.0) ** n, np.ones(n.size)], axis=1)
         return 2 * force[:, None] + c * n @ sign, -0.5 * c * n**3 @ sign
 
-    def elastic_energy(
-        self, state: ContactState, series: CosineSeries, force: Array, below: Array, full: float
-    ) -> float:
-        """Return <p (z - d)>/2 from forces and heights below the maximum: on contacts z is u plus the mean gap d."""
-        return 0.5 * (float(force @ below) / series.period + state.load * state.approach)
+    def elastic_energy(self, state: ContactState, surface: Surface) -> float:
+        """Return <p (z - d)>/2, with heights from the maximum: on contacts z is u plus the mean gap d."""
+        state_arrays = state.segments.arrays, state.segments.crest, state.coefficient
+        work = work_of_forces(*state_arrays, False, surface.heights.local, 0.0)
+        return 0.5 * (work / surface.heights.period + state.load * state.approach)
 
     def residual_scale(self, load: float, approach: float, period: float) -> float:
         """Return the indentation."""

@@ -54,14 +54,15 @@ def edge_moves(
 ) -> tuple[Array, Sides, Flags, float, float, bool, bool]:
     """Return the fields of `NewtonStep` from `a` on except `motion`, from forces and their expansion b.
 
-    The moves outward are the first two columns of an array, and `singular` the third; vanishing and merging are rows.
+    The moves outward are the first two columns of an array, `singular` and `narrowest` the others; vanishing and
+    merging are rows.
 
     All values at the ends have the sign of the left end, where a gap opens. A contact narrower than the adjacent gaps
     is Hertzian. At an edge of a narrow gap, the value for the gap replaces the Hertzian one, and the opposite edge
     determines both Hertzian values. A gap narrower than both contacts grows by the mean of its ends.
     """
     n, a = r.size, regular_part(first_node, b)
-    psi, phi, slope, outward = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 3))
+    psi, phi, slope, outward = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 4))
     closed, move, largest = np.empty(n, np.bool_), 0.0, 0.0
     for j in range(n):
         for side in range(2):
@@ -96,8 +97,8 @@ def edge_moves(
         if narrower_right:
             outward[k, 0] = -half * (widening + shift)
     for j in range(n):
-        narrowest = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
-        move = max(move, max(abs(outward[j, 0]), abs(outward[j, 1])) / narrowest)
+        outward[j, 3] = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
+        move = max(move, max(abs(outward[j, 0]), abs(outward[j, 1])) / outward[j, 3])
     changes, is_changed = _changes(first_node, gap, force, outward, closed)
     return a, outward, changes, move, largest, is_changed, move < SETTLED_MOVE and not is_changed
 
@@ -154,10 +155,11 @@ class NewtonStep(NamedTuple):
     b, a : coefficients of psi in T_k, of its regular part in U_k
     outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
     singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
+    narrowest : half-width of each contact or an adjacent gap, if that is smaller, in lambda_0, shape (contacts,)
     motion : shift of each centre, and growth of each half-width, by these moves, shape (2, contacts)
     vanishing : contacts without force
     merging : contacts whose gap on the right vanishes, or has a negative squared width
-    move : the largest move of an edge over the half-width of its contact or an adjacent gap, if that is smaller
+    move : the largest move of an edge over `narrowest`
     largest : the largest of `singular`
     changed : whether any contact vanishes or merges
     settled : whether the iteration has begun to converge for all contacts; none vanishes or merges
@@ -169,6 +171,7 @@ class NewtonStep(NamedTuple):
     a: Array
     outward: Sides
     singular: Array
+    narrowest: Array
     motion: NDArray[np.float64]
     vanishing: Flags
     merging: Flags
@@ -197,7 +200,8 @@ def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> Newto
     forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
     moves = segments.half_width, segments.first_node, punches.gap, punches.left, forces.force
     b, a, outward, motion, changes, *sizes = _moves(*moves, period, numbers_of(problem.kind, period))
-    return NewtonStep(punches, forces, b, a, outward[:, :2], outward[:, 2], motion, *changes, *sizes)
+    singular, narrowest = outward.T[2:]
+    return NewtonStep(punches, forces, b, a, outward[:, :2], singular, narrowest, motion, *changes, *sizes)
 
 
 @kernel
@@ -259,15 +263,14 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     twice the square of the present ones, since the strength B changes with the edges as well.
     `motion` is 0, since it has been made.
     """
-    punches, gap, (shift, growth) = step.punches, step.punches.gap, step.motion
+    punches, (shift, growth) = step.punches, step.motion
     old = punches.segments
     b, a = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
     segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
-    moved = make_punches(segments, punches.period, punches.kind, MAX_NODES * gap.size)
-    force = transfer_forces(old, b, np.arange(gap.size), moved)
-    narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.append(gap[-1], gap[:-1])))
+    moved = make_punches(segments, punches.period, punches.kind, MAX_NODES * shift.size)
+    force = transfer_forces(old, b, np.arange(shift.size), moved)
     rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
-    left = 2 * step.move**2 * narrowest[:, None] + rounded[:, None] * np.abs(step.outward)
+    left = 2 * step.move**2 * step.narrowest[:, None] + rounded[:, None] * np.abs(step.outward)
     motion = np.zeros_like(step.motion)
     return step._replace(
         punches=moved, forces=step.forces._replace(force=force), b=b, a=a, outward=left, motion=motion

@@ -20,7 +20,7 @@ from weier.methods.patches.kind import (
     NEW_CONTACT_WIDTH,
     OnContacts,
 )
-from weier.methods.patches.pressure_and_gap import complementary_residuals
+from weier.methods.patches.pressure_and_gap import complementary_residuals, work_of_forces
 from weier.methods.patches.segments import ContactState, integrals
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface, intervals_between, nearest_crests
 from weier.methods.patches.thin_gaps import gap_singularities
@@ -154,11 +154,11 @@ class Gaps:
         pressure[:, 0] -= most
         return gap_singularities(pressure)
 
-    def elastic_energy(
-        self, state: ContactState, series: CosineSeries, force: Array, below: Array, full: float
-    ) -> float:
+    def elastic_energy(self, state: ContactState, surface: Surface) -> float:
         """Return the energy of full contact minus <g (p + S)>/2, with the mean pressure p and the tension S."""
-        return full - 0.5 * float(force @ (state.load + series.maximum + below)) / series.period
+        state_arrays, series = (state.segments.arrays, state.segments.crest, state.coefficient), surface.tensions
+        work = work_of_forces(*state_arrays, True, series.local, state.load + series.maximum)
+        return surface.full_contact_energy - 0.5 * work / series.period
 
     def residual_scale(self, load: float, approach: float, period: float) -> float:
         """Return the order of the displacement by the load."""

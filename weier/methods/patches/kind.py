@@ -8,6 +8,7 @@ their slope, whose integral is the gap, and the residual is the pressure. Kernel
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import TYPE_CHECKING, Union
 
 import numpy as np
@@ -44,6 +45,7 @@ Kind = Union["Contacts", "Gaps"]
 KindNumbers = tuple[bool, int, int, float, float, float, float, float]
 
 
+@lru_cache
 def numbers_of(kind: Kind, period: float) -> KindNumbers:
     """Return the numbers of a kind in a plain tuple, for kernels."""
     at_edges, factor = (kind.right_sign, kind.curvature_k_0), kind.factor(period)

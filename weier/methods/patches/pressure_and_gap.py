@@ -185,6 +185,18 @@ def node_forces(segments: SegmentArrays, coefficient: Array, is_gap: bool) -> ND
 
 
 @kernel
+def work_of_forces(
+    segments: SegmentArrays, crest: Indices, coefficient: Array, is_gap: bool, local: Local, top: float
+) -> float:
+    """Return the sum over all nodes of their forces, or gaps times weights, times the series, of this maximum."""
+    (node, force), first_node, work = node_forces(segments, coefficient, is_gap), segments[3], 0.0
+    for j in range(crest.size):
+        for q in range(first_node[j], first_node[j + 1]):
+            work += force[q] * (top + evaluate_series(local, crest[j], node[q])[0])
+    return work
+
+
+@kernel
 def _complete_residuals(
     segments: SegmentArrays,
     coefficient: Array,

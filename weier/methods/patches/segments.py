@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Flags, Indices, Records, record_type
+from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.patches.kind import MAX_THINNESS, Kind
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, distances_between
@@ -287,10 +287,11 @@ def coefficient_tails(segments: Segments, coefficient: Array) -> Array:
 
 
 @kernel
-def more_nodes(count: Indices, short: Flags) -> Indices:
-    """Return the numbers of nodes, the next larger ones for segments on which the coefficients have not decayed."""
-    more = count.copy()
+def more_nodes(count: Indices, height: Array, most: float) -> tuple[Indices, bool]:
+    """Return the numbers of nodes, the next larger ones for segments of too large a height, and whether any is."""
+    more, is_more = count.copy(), False
     for j in range(count.size):
-        if short[j]:
+        if height[j] > most:
             more[j] = _round_up(1.3 * count[j])
-    return more
+            is_more = is_more or more[j] > count[j]
+    return more, is_more

@@ -10,7 +10,7 @@ from itertools import zip_longest
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
@@ -28,16 +28,14 @@ from weier.methods.patches.given_edges import (
     transfer_forces,
 )
 from weier.methods.patches.pair_sums import MAX_DIRECT, potential
-from weier.methods.patches.pressure_and_gap import node_forces, pressures_or_gaps
+from weier.methods.patches.pressure_and_gap import pressures_or_gaps
 from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces, make_segments
 from weier.methods.patches.stages import MAX_OVER_TARGET, MAX_TOLERANCE, MIN_TOLERANCE, TARGET, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import (
     CosineSeries,
     Extent,
-    Sides,
     Surface,
-    evaluate_at,
     evaluate_near,
 )
 from weier.methods.patches.thin_gaps import densities_on_contacts
@@ -133,20 +131,24 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
 
     """
     loads, starts = check_loads(mean_pressure), Starts(profile, tolerance)
-    points, edges = list[dict[str, Any]](), list[Array]()
+    points, extents = list[dict[str, Any]](), list[Extent]()
     period, again = float(profile.period), 0
 
     def solved() -> Curve:
-        padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, len(points)).T
+        origin, centre, half_width = (
+            np.array([*zip_longest(*part, fillvalue=np.nan)]).reshape(-1, len(points)).T
+            for part in zip(*extents, strict=True)
+        )
+        edges, _, _ = _sorted_contacts(origin, centre, half_width, period)
         values: dict[str, Any] = {name: np.array([point[name] for point in points]) for name in points[0]}
-        return Curve(**values, contact_edge=padded, second_attempts=again)
+        return Curve(**values, contact_edge=edges.reshape(len(points), -1), second_attempts=again)
 
     with keeping(lambda _: (loads[: len(points)], solved()) if points else None):
         for load in map(float, loads):
             state, steps = solve_state(starts, load)
             contacts = 3 * (np.empty(0),) if state is None else contact_extent(state, period)
             point = _curve_point(starts.surface, state, contacts[2])
-            edges.append(_sorted_contacts(contacts, period)[0].ravel())
+            extents.append(contacts)
             points.append(point | {"work": steps})
             again += state is not None and state.route.attempts > 1
             count_load()
@@ -167,21 +169,10 @@ def _curve_point(surface: Surface, state: ContactState | None, half_width: Array
         "indentation": indentation,
         "contact_fraction": 1.0 if full else float(2 * half_width.sum() / series.period),
         "contact_fraction_error": fraction_error,
-        "elastic_energy": _elastic_energy(surface, state),
+        "elastic_energy": surface.full_contact_energy if state is None else state.kind.elastic_energy(state, surface),
         "patch_count": half_width.size,
         "residual": 0.0 if state is None else state.residual,
     }
-
-
-def _elastic_energy(surface: Surface, state: ContactState | None) -> float:
-    """Return the elastic energy <p u>/2 per area, in g_0 p_0*, of contacts, gaps, or None, which is full contact."""
-    full = float(surface.heights.amplitude**2 @ surface.heights.wavenumber) / (8 * np.pi)
-    if state is None:
-        return full
-    segments, kind, series = state.segments, state.kind, state.kind.series(surface)
-    offset, force = node_forces(segments.arrays, state.coefficient, kind.is_slope)
-    below = evaluate_at(series.local, np.repeat(segments.crest, segments.node_count), offset, 0)
-    return kind.elastic_energy(state, series, force, below, full)
 
 
 def _rounding(surface: Surface) -> float:
@@ -244,18 +235,20 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
         none = np.empty(0)
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
     extent, strength, _ = contact_pieces(state, surface.heights.period)
-    edges, half_width, order = _sorted_contacts(extent, surface.heights.period)
+    edges, half_width, order = _sorted_contacts(*extent, surface.heights.period)
     mean_gap = state.kind.uniform(surface.heights.maximum) - state.approach
     return Solution(mean_pressure, edges[:, 0] + half_width, half_width, strength[order], mean_gap, surface, state)
 
 
-def _sorted_contacts(extent: Extent, period: float) -> tuple[Sides, Array, Indices]:
-    """Return sorted edges of contacts (left ones in [0, L)), half-widths, and the sorting order."""
-    origin, centre, half_width = extent
+def _sorted_contacts(
+    origin: Array, centre: Array, half_width: Array, period: float
+) -> tuple[NDArray[np.float64], Array, Indices]:
+    """Return sorted edges of contacts (left ones in [0, L)), half-widths, and the order, along the last axis."""
     left = origin + (centre - half_width)
     left -= period * np.floor(left / period)
-    order = left.argsort()
-    return np.array([left, left + 2 * half_width]).T[order], half_width[order], order
+    order = left.argsort(axis=-1)
+    left, half_width = (np.take_along_axis(values, order, -1) for values in (left, half_width))
+    return np.stack([left, left + 2 * half_width], axis=-1), half_width, order
 
 
 def check_loads(mean_pressure: ArrayLike) -> Array:

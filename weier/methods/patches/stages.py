@@ -42,7 +42,6 @@ from weier.methods.patches.inequalities import (
 )
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_TENSION
 from weier.methods.patches.segments import (
-    MAX_NODES,
     ContactState,
     coefficient_tails,
     end_sums,
@@ -130,10 +129,10 @@ def solve_in_stages(
             continue
         residual, width, roughness = contact_residual(state, series)  # stage 3
         height = kind.residual_height(state.segments.half_width) * residual
-        short = (height > limits.allowed) & (count < MAX_NODES)
+        more_of_each, is_short = more_nodes(count, height, limits.allowed)
         # More nodes do not reduce rounding, and in gaps they increase it.
-        if short.any() and height.max() < coarser:
-            coarser, now = float(height.max()), next_guess(problem, step, tolerance, more_nodes(count, short))
+        if is_short and height.max() < coarser:
+            coarser, now = float(height.max()), next_guess(problem, step, tolerance, more_of_each)
             continue
         # Stage 4. The resistance is an energy, with the square of the reduction as relative error.
         tangent = solve_tangent(solved.punches, solved.forces, max(np.sqrt(EPS), tolerance))
@@ -168,8 +167,8 @@ def converge(
             return step, step, steps
         # Segments that have not settled keep their nodes.
         segments, enough = step.punches.segments, limits.target if step.settled else np.inf
-        counts = node_counts(segments.first_node, segments.half_width, step.b, enough)
-        if _ends(step, limits, last_move) and np.array_equal(counts, segments.node_count):
+        counts, is_short = node_counts(segments.first_node, segments.half_width, step.b, enough)
+        if _ends(step, limits, last_move) and not is_short:
             return step, carried_along(step, limits.rounding), steps
         last_move, now = step.move, next_guess(problem, step, limits.tolerance, counts)
     raise _no_set(problem.load)
@@ -224,19 +223,19 @@ def _ends(step: NewtonStep, limits: Limits, last_move: float) -> bool:
 
 
 @kernel
-def node_counts(first_node: Indices, half_width: Array, b: Array, target: float) -> Indices:
-    """Return the number of nodes of each segment, more where the last coefficients have not decayed to the target.
+def node_counts(first_node: Indices, half_width: Array, b: Array, target: float) -> tuple[Indices, bool]:
+    """Return the nodes of each segment, more where the last coefficients exceed the target, and whether any do.
 
     T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope is smaller.
     The last two coefficients are used, since one of them vanishes for an even or odd density.
     """
-    count, short = np.empty(half_width.size, np.int64), np.empty(half_width.size, np.bool_)
+    count, height = np.empty(half_width.size, np.int64), np.empty(half_width.size)
     for j in range(half_width.size):
         last = first_node[j + 1]
         count[j] = last - first_node[j]
         tail = max(abs(b[last - 1]), abs(b[last - 2]))
-        short[j] = 2 * np.pi * half_width[j] * tail / count[j] > target
-    return more_nodes(count, short)
+        height[j] = 2 * np.pi * half_width[j] * tail / count[j]
+    return more_nodes(count, height, target)
 
 
 def to_be_cut(state: ContactState, negative: Records, opening: float) -> Records:
@@ -268,9 +267,11 @@ def segment_corrections(
     missing, minima = find_missing(problem, step, outside, limits.margin, limits.opening)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
-    merging, merged = _thin_gaps(state, step.punches.gap), np.empty((0, 2))
-    if not (merging.any() or negative.size > 0):
+    _, thinness = state.kind.limits_within()
+    merging, any_merge = _thin_gaps(step.punches.gap, state.segments.half_width, thinness)
+    if not any_merge and negative.size == 0:
         return missing, remaining, minima
+    merged = np.empty((0, 2))
     merging &= remaining & np.roll(remaining, -1)
     if not merging.all():
         merged = np.array(merged_intervals(problem, state.segments, merging)).reshape(-1, 2)
@@ -278,10 +279,14 @@ def segment_corrections(
     return np.concatenate([_cut_segments(state, negative), missing, merged]), remaining, minima
 
 
-def _thin_gaps(state: ContactState, gap: Array) -> Flags:
+@kernel
+def _thin_gaps(gap: Array, r: Array, thinness: float) -> tuple[Flags, bool]:
     """Return whether the gap on the right of each contact is less than half as wide as the narrowest to be added."""
-    r, (_, thinness) = state.segments.half_width, state.kind.limits_within()
-    return np.asarray(gap < 2 * thinness * np.minimum(r, np.append(r[1:], r[0])))
+    is_thin, any_is = np.empty(r.size, np.bool_), False
+    for j in range(r.size):
+        is_thin[j] = gap[j] < 2 * thinness * min(r[j], r[(j + 1) % r.size])
+        any_is = any_is or is_thin[j]
+    return is_thin, any_is
 
 
 def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]:

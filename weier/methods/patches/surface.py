@@ -88,6 +88,11 @@ class Surface(NamedTuple):
         """The mean pressure of full contact, equal to the largest tension, in p_0*."""
         return self.tensions.maximum
 
+    @property
+    def full_contact_energy(self) -> float:
+        """The elastic energy <p u>/2 of full contact per area, in g_0 p_0*."""
+        return float(self.heights.amplitude**2 @ self.heights.wavenumber) / (8 * np.pi)
+
 
 def surface_of(profile: Waves) -> Surface:
     """Return the series of a profile with finitely many terms; ValueError if it has too many waves."""
