@@ -211,7 +211,7 @@ def test_a_plane_that_is_off_is_a_residual_of_its_height(wave):
 def test_no_polynomial_exceeds_the_factor_between_samples(nodes):
     """The largest value of any polynomial of degree K + 2 that is at most 1 at the samples, by linear programming."""
     state = OneWave(1.0, 0.2, 0.3).state(False, nodes)
-    y = sample_points(state.segments.arrays)
+    _, _, y = sample_points(state.segments.arrays, state.segments.crest)
     t = (y - state.segments.centre[0]) / state.segments.half_width[0]
     samples = np.polynomial.chebyshev.chebvander(t, nodes + 2)
     limits, most, largest = np.concatenate([samples, -samples]), np.ones(2 * t.size), 0.0
@@ -225,7 +225,7 @@ def test_no_polynomial_exceeds_the_factor_between_samples(nodes):
 def test_the_force_of_a_residual_is_no_larger_than_its_width_says(nodes):
     """Random polynomials, and one that is large at an end only, whose width is far less than the segment's."""
     state, random = OneWave(1.0, 0.2, 0.3).state(False, nodes), np.random.default_rng(nodes)
-    y, first = sample_points(state.segments.arrays), state.segments.first_node
+    (_, _, y), first = sample_points(state.segments.arrays, state.segments.crest), state.segments.first_node
     r = state.segments.half_width[0]
     t, dense = (y - state.segments.centre[0]) / r, np.cos(np.linspace(0, np.pi, 20_001))
     for degree in range(nodes + 3):

@@ -16,7 +16,7 @@ from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import force_field
 from weier.methods.patches.inequalities import find_missing, find_negative_intervals, gap_minima, minima_outside
 from weier.methods.patches.pressure_and_gap import complementary_residuals
-from weier.methods.patches.segments import MINIMUM, ContactState, end_sums, make_segments
+from weier.methods.patches.segments import MINIMUM, ContactState, edge_strengths, make_segments
 from weier.methods.patches.surface import evaluate_at, make_series, nearest_crests
 
 
@@ -132,10 +132,10 @@ def test_the_residual_beside_an_edge_has_the_strength_of_the_density(wave, dual)
     """At 1e-4 of the narrower width from the edge, up to terms of this order."""
     state, series = wave.state(dual), wave.series(dual)
     kind, segments = state.kind, state.segments
-    r, s = segments.half_width[0], 1e-4 * min(wave.half_width, 0.5 * wave.period - wave.half_width)
+    s = 1e-4 * min(wave.half_width, 0.5 * wave.period - wave.half_width)
     value = complementary_residuals(state, series, *nearest_crests(series, segments.right + s))
-    phi = abs(end_sums(segments.first_node, state.coefficient, 1)[0, 1])
-    expected = kind.residual_strength * np.sqrt(2 / r) * phi * s**kind.residual_power
+    k_1 = abs(edge_strengths(segments.first_node, segments.half_width, state.coefficient, 1)[0, 1])
+    expected = kind.residual_strength * k_1 * s**kind.residual_power
     assert value[0] == pytest.approx(expected, rel=1e-3, abs=0)
 
 

@@ -89,9 +89,8 @@ def contact_residual(state: ContactState, series: CosineSeries) -> NDArray[np.fl
     The residual is the gap on a contact, or the pressure in a gap; the roughness is sum n |c_n| of its
     coefficients in T_n, in its unit. At some points, the sums are direct (`potential`).
     """
-    segments, count = state.segments, 2 * (state.segments.node_count + 1)
-    crest, origin = np.repeat(segments.crest, count), np.repeat(segments.origin, count)
-    samples = residuals_in_order(state, series, crest, origin, sample_points(segments.arrays))
+    segments = state.segments
+    samples = residuals_in_order(state, series, *sample_points(segments.arrays, segments.crest))
     return _sizes(segments.first_node, segments.half_width, samples)
 
 
@@ -132,20 +131,22 @@ def _roughness(samples: Array) -> float:
 
 
 @kernel
-def sample_points(segments: SegmentArrays) -> Array:
-    """Return the points of samples, counted from the origins of their segments.
+def sample_points(segments: SegmentArrays, crest: Indices) -> tuple[Indices, Array, Array]:
+    """Return crests and origins of the segments of all samples, and the samples, counted from the origins.
 
     They are the 2 K + 2 zeros of a Chebyshev polynomial on each segment, as far from its K nodes as possible, and
     enough for `SAMPLED_FACTOR` to hold.
     """
-    _, centre, half_width, first_node = segments
+    origin, centre, half_width, first_node = segments
     y, last = np.empty(2 * (first_node[-1] + centre.size)), 0
+    start, of = np.empty(y.size), np.empty(y.size, np.int64)
     for j in range(centre.size):
         count = 2 * (first_node[j + 1] - first_node[j] + 1)
         for i in range(count):
             y[last] = centre[j] - half_width[j] * np.cos((i + 0.5) * np.pi / count)
+            start[last], of[last] = origin[j], crest[j]
             last += 1
-    return y
+    return of, start, y
 
 
 def certify(
@@ -252,14 +253,9 @@ Effect = tuple[float, float]  # effects on the resistance, in g_0/p_0*, and on t
 
 def stated_errors(state: ContactState, series: CosineSeries) -> Effect:
     """Return estimates of the errors of the resistance, in g_0/p_0*, and the contact fraction, in partial contact."""
-    by_iteration = TANGENT_ERROR * max(state.resistance, 1.0)
-    # The next step would move the edges and change the resistance by the energy released. While edges have not
-    # settled, others follow it.
-    move = np.abs(state.edge_move)
-    move[move > SETTLED_MOVE * state.segments.half_width[:, None]] *= SAFETY_FACTOR
-    by_iteration += 2 * np.pi**2 / series.period * float(np.sum(state.tangent_strength**2 * move))
     effects = (
-        (by_iteration, float(move.sum())),
+        (TANGENT_ERROR * max(state.resistance, 1.0), 0.0),
+        _next_moves(state.segments.half_width, state.edge_move, state.tangent_strength, series.period),
         _error_by_edges(state, series),
         _crack_error(state, series.period),
         _missing_cracks(state, series.period),
@@ -267,6 +263,18 @@ def stated_errors(state: ContactState, series: CosineSeries) -> Effect:
     )
     resistance, length = map(sum, zip(*effects, strict=True))
     return resistance, length / series.period
+
+
+@kernel
+def _next_moves(half_width: Array, edge_move: Sides, B: Sides, period: float) -> Effect:
+    """Return the effect of the next step, which moves the edges; while these have not settled, others follow it."""
+    release, length = 0.0, 0.0
+    for j in range(half_width.size):
+        for side in range(2):
+            move = abs(edge_move[j, side])
+            move *= SAFETY_FACTOR if move > SETTLED_MOVE * half_width[j] else 1.0
+            release, length = release + B[j, side] ** 2 * move, length + move
+    return 2 * np.pi**2 / period * release, length
 
 
 def _missing_cracks(state: ContactState, period: float) -> Effect:

@@ -31,7 +31,7 @@ from weier.methods.patches.pressure_and_gap import (
     complementary_residuals,
     smooth_part,
 )
-from weier.methods.patches.segments import MINIMUM, ContactState, Segments, end_sums
+from weier.methods.patches.segments import MINIMUM, ContactState, Segments, edge_strengths
 from weier.methods.patches.surface import CosineSeries, distances_between, evaluate_near, first_from, nearest_crests
 
 # probes per finest wave in an interval between segments, and of a shorter interval; an eighth of a wave from a crest,
@@ -273,9 +273,9 @@ def _brackets(
 
     value : at the probes, ascending in each interval; the quotient by the edge factor is smooth
     margin : margin subtracted from the values
-    at_edge : the quotient at the edges over l^power (2/r)^(1/2) |phi|
+    at_edge : the quotient at the edges over l^power |k_1|
     """
-    length, ends = distances_between(origin, centre, r, period), end_sums(first_node, coefficient, 1)
+    length, ends = distances_between(origin, centre, r, period), edge_strengths(first_node, r, coefficient, 1)
     found, which, count = np.empty((3, x.size)), np.empty(x.size, np.int64), 0
     low, middle, high = found
     factor = _edge_factor(x, interval, origin, centre, r, period, power)
@@ -285,13 +285,13 @@ def _brackets(
         if i > 0 and interval[i - 1] == j:
             low[count], before = x[i - 1], value[i - 1] / factor[i - 1] - here
         else:
-            low[count], before = start, edges * np.sqrt(2 / r[j]) * abs(ends[j, 1]) - margin / factor[i] - here
+            low[count], before = start, edges * abs(ends[j, 1]) - margin / factor[i] - here
         if i + 1 < x.size and interval[i + 1] == j:
             high[count], after = x[i + 1], value[i + 1] / factor[i + 1] - here
         else:
             k = (j + 1) % r.size
             high[count] = start + length[j]
-            after = edges * np.sqrt(2 / r[k]) * abs(ends[k, 0]) - margin / factor[i] - here
+            after = edges * abs(ends[k, 0]) - margin / factor[i] - here
         left, right = x[i] - low[count], high[count] - x[i]
         if before >= 0 and after >= 0 and before + after < np.inf and left > 0 and right > 0:
             bend = 2 * (after / right + before / left) / (left + right)

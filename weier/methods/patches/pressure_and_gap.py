@@ -55,7 +55,7 @@ def cotangent_integrals(segments: SegmentArrays, coefficient: Array, period: flo
     It is the sum over the nodes, whose cotangents the addition theorem gives, corrected near a segment.
     """
     integral, factor, (start, centre, half_width, first_node) = np.zeros(y.size), np.pi / period, segments
-    at_node, forces = node_forces(segments, coefficient, False)
+    _, at_node, forces = node_forces(segments, coefficient, False)
     for j in range(centre.size):
         r, first, last = half_width[j], first_node[j], first_node[j + 1]
         a, node, force = coefficient[first:last], at_node[first:last] - centre[j], forces[first:last]
@@ -160,8 +160,7 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
 def residuals_in_order(state: ContactState, series: CosineSeries, crest: Indices, origin: Array, y: Array) -> Array:
     """Return complementary residuals at ascending points origin + y; the origins are images of the crests."""
     segments, period, kind = state.segments, series.period, state.kind
-    at_node, force = node_forces(segments.arrays, state.coefficient, kind.is_slope)
-    crests = np.repeat(segments.origin, segments.node_count)
+    crests, at_node, force = node_forces(segments.arrays, state.coefficient, kind.is_slope)
     value = potential(crests, at_node, force, origin, y, period, kind.is_slope)
     highest = kind.uniform(-state.approach) - kind.largest_forcing(series.maximum, state.load)
     sums = segments.arrays, state.coefficient, kind.is_slope, at_node, force, origin, y, period, value
@@ -171,16 +170,16 @@ def residuals_in_order(state: ContactState, series: CosineSeries, crest: Indices
 
 @kernel
 def node_forces(segments: SegmentArrays, coefficient: Array, is_gap: bool) -> NDArray[np.float64]:
-    """Return nodes from origins of segments, and the weights in Gauss's quadrature times the density or the gap."""
-    found, (_, centre, half_width, first_node) = np.empty((2, coefficient.size)), segments
+    """Return origins of segments, nodes from there, and Gauss's weights times the density or the gap, as rows."""
+    found, (origin, centre, half_width, first_node) = np.empty((3, coefficient.size)), segments
     for j in range(centre.size):
         start, end, r = first_node[j], first_node[j + 1], half_width[j]
         node, weight = gauss_nodes(end - start)
         a = smooth_part(coefficient[start:end], is_gap)
         for q in range(end - start):
-            found[0, start + q] = centre[j] + r * node[q]
+            found[0, start + q], found[1, start + q] = origin[j], centre[j] + r * node[q]
             root = np.sqrt((1 - node[q]) * (1 + node[q]))
-            found[1, start + q] = r * weight[q] / root * at_point(evaluate_expansion(a, node[q]), node[q], r, is_gap)
+            found[2, start + q] = r * weight[q] / root * at_point(evaluate_expansion(a, node[q]), node[q], r, is_gap)
     return found
 
 
@@ -189,7 +188,7 @@ def work_of_forces(
     segments: SegmentArrays, crest: Indices, coefficient: Array, is_gap: bool, local: Local, top: float
 ) -> float:
     """Return the sum over all nodes of their forces, or gaps times weights, times the series, of this maximum."""
-    (node, force), first_node, work = node_forces(segments, coefficient, is_gap), segments[3], 0.0
+    (_, node, force), first_node, work = node_forces(segments, coefficient, is_gap), segments[3], 0.0
     for j in range(crest.size):
         for q in range(first_node[j], first_node[j + 1]):
             work += force[q] * (top + evaluate_series(local, crest[j], node[q])[0])

@@ -25,8 +25,8 @@ NODE_FACTORS = (4.5, 0.25), (2.2, -0.125), (-8.7, 1.95)
 
 
 @kernel
-def end_sums(first_node: Indices, coefficient: Array, kind: int) -> NDArray[np.float64]:
-    """Return expansions in T_k (kind 0) or U_k (kind 1) at -1 and 1, shape (segments, 2).
+def edge_strengths(first_node: Indices, r: Array, coefficient: Array, power: int) -> NDArray[np.float64]:
+    """Return k_0 from coefficients in T_k (power 0) or k_1 from those in U_k (power 1), shape (segments, 2).
 
     T_k(+-1) = (+-1)^k, U_k(+-1) = (+-1)^k (k + 1).
     """
@@ -34,10 +34,11 @@ def end_sums(first_node: Indices, coefficient: Array, kind: int) -> NDArray[np.f
     for j in range(first_node.size - 1):
         sign = 1.0
         for q in range(first_node[j], first_node[j + 1]):
-            value = coefficient[q] * (1 + kind * (q - first_node[j]))
+            value = coefficient[q] * (1 + power * (q - first_node[j]))
             total[j, 0] += sign * value
             total[j, 1] += value
             sign = -sign
+        total[j] *= np.sqrt(2 / r[j] if power == 1 else 0.5 * r[j])
     return total
 
 
@@ -186,9 +187,9 @@ def segment_strengths(state: ContactState) -> Sides:
 
     In p_0*/lambda_0^(1/2). At the edges of a gap it is the slope over 2 pi, negative at the right edge.
     """
-    segments, factor = state.segments, state.kind.strength_factor
-    at_ends = end_sums(segments.first_node, state.coefficient, 1)
-    return np.asarray(factor * np.sqrt(2 / segments.half_width)[:, None] * at_ends)
+    segments = state.segments
+    strength = edge_strengths(segments.first_node, segments.half_width, state.coefficient, 1)
+    return np.asarray(state.kind.strength_factor * strength)
 
 
 def integrals(state: ContactState) -> Array:

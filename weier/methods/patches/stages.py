@@ -44,7 +44,7 @@ from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_TENSION
 from weier.methods.patches.segments import (
     ContactState,
     coefficient_tails,
-    end_sums,
+    edge_strengths,
     estimate_node_count,
     more_nodes,
 )
@@ -322,8 +322,9 @@ def _with_resistance(state: ContactState, solved: NewtonStep, step: NewtonStep, 
     Edges that have moved since the last solution have released energy, which is included.
     """
     segments, kind = solved.punches.segments, state.kind
-    psi = end_sums(segments.first_node, expansion(solved.punches, tangent.force), 0)
-    strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
+    b = expansion(solved.punches, tangent.force)
+    k_0 = edge_strengths(segments.first_node, segments.half_width, b, 0)
+    strength = kind.strength_factor * np.abs(k_0)
     released = float((strength**2 * solved.outward).sum()) if step is not solved else 0.0
     # The increment of gaps is the increment of the tension, which opens them.
     resistance = -kind.right_sign * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
