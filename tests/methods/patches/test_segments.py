@@ -96,5 +96,12 @@ def test_tails_are_the_last_of_two_coefficients_that_are_not_zero_by_themselves(
 def test_more_nodes_are_more_up_to_the_limit():
     """By 1.3, rounded up to even numbers and, from 32 nodes on, to multiples of 4: few tables are needed."""
     count = np.array([4, 10, 40, MAX_NODES - 1])
-    np.testing.assert_array_equal(more_nodes(count, np.ones(4, bool)), [6, 14, 52, MAX_NODES])
-    np.testing.assert_array_equal(more_nodes(count, count == 10), [4, 14, 40, MAX_NODES - 1])
+    for height, expected in (
+        (np.full(4, 2.0), [6, 14, 52, MAX_NODES]),
+        (2.0 * (count == 10), [4, 14, 40, MAX_NODES - 1]),
+    ):
+        more, is_more = more_nodes(count, height, 1.0)
+        np.testing.assert_array_equal(more, expected)
+        assert is_more
+    assert not more_nodes(count, np.ones(4), 1.0)[1]
+    assert not more_nodes(np.array([MAX_NODES]), np.full(1, 2.0), 1.0)[1]

@@ -57,6 +57,7 @@ MIN_TOLERANCE = 10 * FIELD_ROUNDING  # smallest relative tolerance of the residu
 # largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
 # then vanishes again
 MAX_TOLERANCE = 1e-6
+FIRST_TOLERANCE = 1e-5  # for the nodes of the first step, whose moves are some hundredths, to a few thousandths
 # Largest allowed ratio of the stage-3 residual to the target of the iteration. It is also the ratio of the target to
 # the residual of the equations, and a second attempt (`solve_state`) divides its tolerance by it.
 MAX_OVER_TARGET = 10.0
@@ -99,11 +100,14 @@ def solve_in_stages(
     """
     problem = ContactProblem(guess.kind.series(surface), guess.load, guess.kind)
     kind, series, (_, steps, corrections, _) = problem.kind, problem.series, guess.route
-    # The set of many segments, each of some 20 nodes, is found at the loosest tolerance, which costs fewer steps of
-    # conjugate gradients. A second attempt takes no part of the route of the first.
-    is_large = 20 * guess.segments.half_width.size > MAX_DIRECT and guess.route.attempts == 1
+    # The set of many segments is found at the loosest tolerance, which costs fewer steps of conjugate gradients. A
+    # second attempt takes no part of the route of the first.
+    is_large = guess.segments.half_width.size > MAX_DIRECT and guess.route.attempts == 1
     first = max(tolerance, MAX_TOLERANCE) if is_large else tolerance
-    limits, now = load_limits(problem, guess.segments.half_width, first), make_guess(problem, guess.segments, first)
+    limits = load_limits(problem, guess.segments.half_width, first)
+    step = take_step(problem, make_guess(problem, guess.segments, FIRST_TOLERANCE), limits.residual)
+    steps, enough = steps + 1, estimate_node_count(guess.segments.extent, series, first)
+    now = next_guess(problem, step, first, np.maximum(step.punches.segments.node_count, enough))
     coarser = np.inf  # height of the residual before nodes were added
     while steps < MAX_STEPS:
         solved, step, more = converge(problem, now, limits, MAX_STEPS - steps)  # stage 1
