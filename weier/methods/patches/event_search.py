@@ -277,8 +277,8 @@ class _Search(NamedTuple):
         first, surface = changes[0], self.starts.surface
         followed = [low if first.birth else high]
         loads, values = [followed[0].load], [_minimum(followed[0], followed[0].kind.series(surface), first)[1]]
-        load = _expected_load(low, high, first)
-        while len(loads) < 2 or not abs(load - loads[-1]) <= MIN_INTERVAL * load:
+        load, error = _expected_load(low, high, first), np.inf
+        while not error <= MIN_INTERVAL * load:
             if not low.load < load < high.load or len(loads) > MAX_ROOT_LOADS:
                 return None
             nearest = min(followed, key=lambda state: abs(state.load - load))
@@ -289,7 +289,7 @@ class _Search(NamedTuple):
             followed.append(state)
             loads.append(load)
             values.append(_minimum(state, state.kind.series(surface), first)[1])
-            load = _root(loads, values)
+            load, error = _root(loads, values)
         rate = abs((values[-1] - values[0]) / (loads[-1] - loads[0]))
         located: list[tuple[float, _Event]] = []
         for event in changes:
@@ -360,13 +360,13 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
     return float(y[lowest] - slope / curvature * (y[1] - y[0])), here - 0.5 * slope**2 / curvature
 
 
-def _root(loads: list[float], values: list[float]) -> float:
-    """Return the load at which the values vanish, by inverse interpolation with a polynomial through all of them."""
+def _root(loads: list[float], values: list[float]) -> tuple[float, float]:
+    """Return the load at which the values vanish, by inverse interpolation, and how far that without the first is."""
     load, value = np.array(loads), np.array(values)
     with np.errstate(divide="ignore", invalid="ignore"):
         for k in range(1, value.size):
-            load = (value[k:] * load[:-1] - value[:-k] * load[1:]) / (value[k:] - value[:-k])
-    return float(load[0])
+            last, load = load[-1], (value[k:] * load[:-1] - value[:-k] * load[1:]) / (value[k:] - value[:-k])
+    return float(load[0]), abs(float(load[0] - last))
 
 
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:

@@ -109,7 +109,7 @@ def solve_in_stages(
     steps, enough = steps + 1, estimate_node_count(guess.segments.extent, series, first)
     now = next_guess(problem, step, first, np.maximum(step.punches.segments.node_count, enough))
     coarser = np.inf  # height of the residual before nodes were added
-    while steps < MAX_STEPS:
+    while True:
         solved, step, more = converge(problem, now, limits, MAX_STEPS - steps)  # stage 1
         steps, state = steps + more, contact_state(problem, step)
         # Stage 2: a segment is cut where it violates its own inequality, and one is added where the other is violated
@@ -146,11 +146,6 @@ def solve_in_stages(
         violations = residual, width, roughness, overlaps, tensions
         state = certify(state, *violations, series, surface.total_amplitude, accepted or tolerance, limits.margin)
         return state._replace(route=guess.route._replace(steps=steps, corrections=corrections)), steps
-    raise _no_set(problem.load)
-
-
-def _no_set(load: float) -> ConvergenceError:
-    return ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
 
 def converge(
@@ -175,7 +170,8 @@ def converge(
         if _ends(step, limits, last_move) and not is_short:
             return step, carried_along(step, limits.rounding), steps
         last_move, now = step.move, next_guess(problem, step, limits.tolerance, counts)
-    raise _no_set(problem.load)
+    load = f"{problem.load:.6g} p_0*"
+    raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load}")
 
 
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
