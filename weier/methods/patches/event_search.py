@@ -278,7 +278,7 @@ class _Search(NamedTuple):
         followed = [low if first.birth else high]
         loads, values = [followed[0].load], [_minimum(followed[0], followed[0].kind.series(surface), first)[1]]
         load, error = _expected_load(low, high, first), np.inf
-        while not error <= MIN_INTERVAL * load:
+        while not (error <= MIN_INTERVAL * load and low.load < load < high.load):
             if not low.load < load < high.load or len(loads) > MAX_ROOT_LOADS:
                 return None
             nearest = min(followed, key=lambda state: abs(state.load - load))
