@@ -240,3 +240,10 @@ def test_the_most_waves_are_taken_and_one_more_refused():
     for gamma, m in ((47, 4), (2**0.5, 3), (1.0000001, 3)):
         with pytest.raises(ValueError, match="at most 100000 times into the period"):
             check_resolvable(Profile(1.5, gamma, m))
+
+
+@pytest.mark.parametrize(
+    "profile", [Profile(1.1, math.pi, 2, 1 / 3), Profile(1.5, "5/2", math.inf), Profile(1.5, 5, 3, seed=7)]
+)
+def test_the_repr_of_a_profile_makes_it(profile):
+    assert eval(repr(profile), {"Profile": Profile}) == profile

@@ -124,6 +124,13 @@ class Profile(Waves):
         # A frozen dataclass refuses assignments.
         vars(self).update(fields, phases=checked_phases(phases, m))
 
+    def __repr__(self) -> str:
+        """Return the call that creates this profile."""
+        gamma = int(self.gamma) if self.gamma.denominator == 1 else str(self.gamma)
+        m = 'float("inf")' if math.isinf(self.m) else int(self.m)
+        phases = f"seed={self.phases.seed}" if isinstance(self.phases, RandomPhases) else f"phases={self.phases!r}"
+        return f"Profile(D={self.D!r}, gamma={gamma!r}, m={m}, {phases})"
+
     @property
     def terms(self) -> int:
         """The number of terms; ValueError if m = inf."""
