@@ -122,7 +122,9 @@ def test_an_error_is_a_band_where_it_can_be_seen_and_else_it_is_left_out(sweep: 
 
 def test_an_ensemble_is_a_band_behind_the_curves_of_its_series(sweep: xr.Dataset) -> None:
     single = sweep.isel(case=[0])
-    axes = many_curves.draw([single], "", "compliance", behind=[sweep]).axes[0]
+    unsolved = blank(1, METHODS, LOADS, 3)  # adds nothing
+    axes = many_curves.draw([single], "", "compliance", behind=[sweep, unsolved]).axes[0]
+    assert not many_curves.draw([single], "", "compliance", behind=[unsolved]).axes[0].collections
     band = axes.collections[0]
     assert band.get_label() == f"10 to 90 % of {SEEDS} phases"  # those of the same gamma, by boundary elements alone
     expected = np.percentile(sweep["compliance"].values[:SEEDS, 1, -1], [10, 90])

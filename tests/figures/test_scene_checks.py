@@ -30,6 +30,7 @@ FREE = {"median over": ["D", "m", "seed"], "colour": "gamma"}
 ANOTHER = {"two": {"product": {"D": 1.5, "gamma": 2, "m": 2}, "settings": {"bem": {"points_per_wave": 16}}}}
 MISTAKES = [
     ({"draw": "style"}, "f.draw: a figure of studies must be one of .*, got 'style'"),
+    ({"without": "studies"}, "f.studies: Field required: the studies that the figure shows"),
     ({"draw": "contact_tree"}, "f.draw: contact_tree needs contact_edges: true"),
     (
         {"draw": "profiles", "colour": "gamma"},

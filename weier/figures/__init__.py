@@ -37,6 +37,7 @@ class FigureKind(NamedTuple):
     drawn_by, quantity : the drawing module, if it has another name, and the quantity passed to it
     needs : a key of the scene that must be true
     grouped : whether a scene may choose its parameters, and whether it can be drawn in SI units
+    needs_studies : whether it shows studies
     """
 
     caption: str
@@ -44,12 +45,14 @@ class FigureKind(NamedTuple):
     quantity: str = ""
     needs: str = ""
     grouped: bool = False
+    needs_studies: bool = True
 
 
 KINDS = {
     "borodich_galanov": FigureKind(
         "Bounds on the stiffness, hence on the conductance, of the self-similar punch of Borodich and Galanov over "
         "its roughness (Appendix B). They coincide for the smooth punch; the upper one is unbounded.",
+        needs_studies=False,
     ),
     "compliance": FigureKind(
         "Compliance over mean pressure. All curves of one profile meet at full contact, where the compliance is the "

@@ -68,6 +68,8 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
             yield "draw", unknown("a figure of studies", figure.draw, KINDS)
         return
     kind = KINDS[figure.draw]
+    if kind.needs_studies and not figure.studies:
+        yield "studies", "Field required: the studies that the figure shows"
     if kind.needs and not getattr(loaded, kind.needs):
         yield "draw", f"{figure.draw} needs {kind.needs}: true in the scene"
     products = [
