@@ -70,40 +70,33 @@ def test_a_figure_that_names_no_parameter_takes_medians_over_the_phases_alone(sw
     assert labels == ["Demelio", "line: median over phases", "band: 10 to 90 % of 8"]
 
 
-def test_a_scene_may_set_the_scale_of_loads(sweep, tmp_path, monkeypatch) -> None:
-    kept = []
-    monkeypatch.setattr(figures, "save", lambda figure, *_: kept.append(figure))
+def test_a_scene_may_set_the_scale_of_loads(sweep) -> None:
     for scale, loads in (("log", slice(4, None)), ("linear", slice(None))):  # each other than the default
-        figures.draw(Wanted("compliance", x=scale), [sweep.isel(case=[0], mean_pressure=loads)], tmp_path / "f.png")
-        (axes,) = kept[-1].axes
+        (axes,) = figures._drawn(Wanted("compliance", x=scale), [sweep.isel(case=[0], mean_pressure=loads)]).axes
         assert axes.get_xscale() == scale
         assert (axes.get_xlim()[0] == 0) == (scale == "linear")
-        kept[-1].draw_without_rendering()
+        axes.figure.draw_without_rendering()
 
 
-@pytest.mark.parametrize("kind", ["resistance"])
-def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, monkeypatch) -> None:
+def test_units_are_si_where_a_scene_has_the_two_bodies(sweep) -> None:
     """Lines, bands, ends and words change together: each point is that of `Bodies` for the normalised one."""
-    kept = []
-    monkeypatch.setattr(figures, "save", lambda figure, *_: kept.append(figure))
     bodies = Bodies(mu_1=45e9, mu_2=75e9, nu_1=0.34, nu_2=0.3, rho_1=2e-8, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
     grouping = Grouping("gamma", ("method",), ("seed",))
     in_pascal = sweep.assign_coords(mean_pressure=("mean_pressure", bodies.pressure(LOADS), {"units": "Pa"}))
-    for interface, data in ((None, sweep), (bodies, in_pascal)):
-        figures.draw(Wanted(kind, grouping=grouping, interface=interface), [data], tmp_path / "f.png")
-    normalised, converted = kept
-    of_value = {"compliance": bodies.compliance, "resistance": bodies.resistance}[kind]
+    normalised, converted = (
+        figures._drawn(Wanted("resistance", grouping=grouping, interface=interface), [data])
+        for interface, data in ((None, sweep), (bodies, in_pascal))
+    )
     for before, after in zip(normalised.axes, converted.axes, strict=True):
         for one, other in zip(before.get_lines(), after.get_lines(), strict=True):
             np.testing.assert_allclose(other.get_xdata(), bodies.pressure(one.get_xdata()))
-            np.testing.assert_allclose(other.get_ydata(), of_value(one.get_ydata()))
+            np.testing.assert_allclose(other.get_ydata(), bodies.resistance(one.get_ydata()))
         for one, other in zip(before.collections, after.collections, strict=True):
             vertices = [band.get_transform().transform(band.get_paths()[0].vertices) for band in (one, other)]
             np.testing.assert_allclose(*vertices)  # the same pixels
         np.testing.assert_allclose(after.get_xlim(), bodies.pressure(before.get_xlim()))
-        np.testing.assert_allclose(after.get_ylim(), of_value(before.get_ylim()))
-    unit = {"compliance": "(m)", "resistance": r"($\Omega\,$m$^2$)"}[kind]
-    assert converted.axes[0].get_ylabel().endswith(unit)
+        np.testing.assert_allclose(after.get_ylim(), bodies.resistance(before.get_ylim()))
+    assert converted.axes[0].get_ylabel().endswith(r"($\Omega\,$m$^2$)")
     assert [axes.get_xlabel()[-4:] for axes in converted.axes] == ["(Pa)", "(Pa)"]
 
 
