@@ -138,3 +138,9 @@ def test_profiles_show_the_heights_of_the_data(studies: dict[str, xr.Dataset]) -
     # The series of the scene, written out: gamma = 5/2, D = 1.5, phases 0 and 1.
     exact = np.cos(2 * np.pi * np.asarray(x)) + 2.5**-0.5 * np.cos(5 * np.pi * np.asarray(x) + 1)
     np.testing.assert_allclose(z, exact, atol=1e-13)
+
+
+def test_a_contact_across_the_end_of_the_period_is_drawn_at_both_ends() -> None:
+    _, tree = sketch("contact_tree", [many_cases().isel(case=[3])]).axes
+    ends = {(path.vertices[:, 0].min(), path.vertices[:, 0].max()) for path in tree.collections[0].get_paths()}
+    assert ends == {(0.1, 1.2), (0.1 - 1, 1.2 - 1), (0, 1)}  # the last one in full contact

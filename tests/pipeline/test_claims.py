@@ -192,6 +192,7 @@ SAID = [
     ("resistance_falls", lambda: ratios(0.8, 1.3, 1.1 + 1.0 * (LOADS > 0.5)), NO),
     ("bounds_looser", lambda: bounded(h=0.1, R=0.3), YES),
     ("bounds_looser", lambda: bounded(h=0.3, R=0.1), NO),
+    ("bounds_looser", lambda: bounded(h=0.1, R=0.11), OPEN),
     ("rises_further", lambda: smooth_and_rough([0.1], [0.1], patches=NUMERICAL * 0.9), YES),
     ("rises_further", lambda: smooth_and_rough([0.1], [0.1], patches=FASTER), NO),
     ("approximations_good", lambda: ratios(0.8, 1.25, 1.1), YES),
@@ -226,6 +227,8 @@ def test_what_is_said_of_a_claim(name, cases, expected):
     [
         ("twelve_elements", lambda: elements(0.11), [0.11, 0.5]),
         ("resistance_errors", lambda: ratios(0.8, 1.3, 1.17), [0.17]),
+        # between profiles of equal phases, of which half are off by 0.05 more, and half by 0.02
+        ("errors_grow_with_dimension", lambda: smooth_and_rough([0.1, 0.3], [0.15, 0.32]), [0.035 / TOTAL]),
         ("boundary_elements", lambda: discretised(0.3), [3.0]),
         ("fourth_term", lambda: terms(0.3, 0.05, 0.02), [0.02 / TOTAL]),
         ("one_wave_bounds", lambda: near_wave(0.25), [0.25]),
