@@ -17,6 +17,7 @@ LOADS = FULL * np.append(np.geomspace(1e-5, 0.96, 40), 1 - np.geomspace(0.03, 1e
 CONSTANTS = [
     ("MAX_OVER_TARGET", stages),
     ("TARGET", stages),
+    ("FIRST_TOLERANCE", stages),
     ("MAX_DIRECT", given_edges, stages),
     ("GUESS_TOLERANCE", start),
     ("GRID_TOLERANCE", start),
