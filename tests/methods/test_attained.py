@@ -70,7 +70,7 @@ def beside_events(surface, is_birth, distances, tolerance):
 def of_loads(name):
     """Loads found from the values of a curve, with a tolerance far above rounding."""
     setting = patches.METHOD.settings["tolerance"]._replace(default=1e-6)
-    loads = np.geomspace(1e-3, 0.9, 7) * POWER_LAW.full_contact_load
+    loads = np.geomspace(1e-3, 0.9, 16) * POWER_LAW.full_contact_load
     values = getattr(patches.curve(POWER_LAW, loads, 1e-12), name)
     with mock.patch.dict(patches.METHOD.settings, {"tolerance": setting}):
         found = weier.find_load(POWER_LAW, **{name: values})

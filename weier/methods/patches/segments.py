@@ -30,16 +30,17 @@ def edge_strengths(first_node: Indices, r: Array, coefficient: Array, power: int
 
     T_k(+-1) = (+-1)^k, U_k(+-1) = (+-1)^k (k + 1).
     """
-    total = np.zeros((first_node.size - 1, 2))
-    for j in range(first_node.size - 1):
-        sign = 1.0
+    found = np.empty((r.size, 2))
+    for j in range(r.size):
+        left, right, sign = 0.0, 0.0, 1.0
         for q in range(first_node[j], first_node[j + 1]):
             value = coefficient[q] * (1 + power * (q - first_node[j]))
-            total[j, 0] += sign * value
-            total[j, 1] += value
+            left += sign * value
+            right += value
             sign = -sign
-        total[j] *= np.sqrt(2 / r[j] if power == 1 else 0.5 * r[j])
-    return total
+        factor = np.sqrt(2 / r[j] if power == 1 else 0.5 * r[j])
+        found[j, 0], found[j, 1] = factor * left, factor * right
+    return found
 
 
 SegmentArrays = tuple[Array, Array, Array, Indices]
