@@ -130,8 +130,9 @@ def solve_under(
     `known` has curves of a single surface under some of the loads, by method. The other arguments are as in `solve`.
     """
     edges, workers = checked_flag("contact_edges", contact_edges), checked_workers(workers)
-    profiles = _list("profile", profile)
-    own_loads = [loads if loads_of is None else loads_of(surface) for surface in map(checked_surface, profiles)]
+    argument = "profile" if loads_of is None else "surface"  # as `Interface.solve` calls it
+    profiles = [checked_surface(one, argument) for one in _list(argument, profile)]
+    own_loads = [loads if loads_of is None else loads_of(surface) for surface in profiles]
     for surface, own in zip(profiles, own_loads, strict=True):
         if doubt := unit_doubt(surface, own):
             warnings.warn(doubt, stacklevel=3)  # points to the call of `solve`
