@@ -19,7 +19,6 @@ from weier.surface.profile import Profile
 from weier.surface.series import MAX_EXPONENT, full_contact_pressure
 
 LN2 = np.log(2)
-NEGLIGIBLE = 1e-20  # below the rounding of differences, which it keeps positive
 # terms that bring ln xi from -700 to within 0.2 of its fixed point, and of the expansion: 12 * 0.2^12/12! < 1e-16
 TERMS = 12
 
@@ -68,7 +67,7 @@ def _sums(waves: Remaining, log_ratio: Array, constant: float) -> Array:
     shrink = 2 * full_contact_pressure(-1, waves.D, waves.gamma)
     log_shrink, ratio = LN2 - (waves.D - 1) * np.log(waves.gamma), np.exp(log_ratio)
     # terms until all waves are flat again, if the fixed point of ln xi is above 0
-    rising = np.ceil(np.log2(MAX_EXPONENT / np.maximum(log_shrink, NEGLIGIBLE)))
+    rising = np.ceil(np.log2(MAX_EXPONENT / np.where(log_shrink > 0, log_shrink, 1.0)))
     direct = np.minimum(np.where(log_shrink > 0, rising, TERMS), waves.waves)
     xi, log_xi = np.minimum(waves.load, 1.0), np.minimum(np.log(waves.load), 0.0)
     total, weight = np.zeros(direct.shape), np.ones(direct.shape)

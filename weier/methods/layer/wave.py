@@ -18,9 +18,7 @@ from weier.methods.layer.scaling_tables import Closure, log_compression
 
 MAX_STEPS = 60  # Newton steps; 2 or 3 are usual from a neighbouring load, 4 to 10 from the initial guess
 MAX_STEP = 2.0  # largest change of a logarithm in a step: tangents of exponentials mislead farther away
-MIN_POWER = 0.02  # lower limit of d ln w/d ln p in the length of a step
 GUESS_HALVINGS = 16  # halvings of the error of ln sin^2(pi a), at most 700
-MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which the initial guess is full contact
 
 
 class Mesh(NamedTuple):
@@ -93,6 +91,7 @@ def log_pressure_factor(edge: Array, rise: Array) -> tuple[Array, Array]:
     return 0.5 * (np.log(cosine_squared / rise) - sine), np.where(sine < 0, -0.5 / cosine_squared, 0.0)
 
 
+@np.errstate(divide="ignore")  # Where w does not depend on p, steps have no limit.
 def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Balance:
     """Return residuals of the contact conditions minus their values at the edge.
 
@@ -117,7 +116,7 @@ def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Bal
         np.log1p(mean),
     )
     drift[:, :n] = rate + displacement
-    trust[:, :n], trust[:, n] = 1 / np.maximum(power, MIN_POWER), edge
+    trust[:, :n], trust[:, n] = 1 / power, edge
     jacobian = np.zeros((*state.shape, n + 1))
     jacobian[:, :n, :n] = mesh.influence * (load * growing)[:, None]
     jacobian[:, range(n), range(n)] += rate
@@ -196,7 +195,7 @@ def _first_guess(log_load: Array, closure: Closure, mesh: Mesh) -> Array:
         crowding = np.maximum(0.0, np.log(np.pi / (2 * np.sqrt(sine_squared))))
         w = np.exp(log_compression(closure, log_load + crowding)[0])
         sine_squared = np.sqrt(sine_squared) * np.sqrt(np.minimum(1.0, load + w / 2))  # the product may underflow
-    closed = sine_squared > MIN_CLOSED_SINE
+    closed = load + w / 2 >= 1
     y = np.where(closed[:, None], 0.0, np.log(2 * mesh.rise))
     return np.column_stack([y, np.where(closed, w, np.log(sine_squared))])
 
