@@ -52,6 +52,14 @@ wildcard_constraints:
     stamps=plan.new_digests,
 
 
+# Named here, since rules do not inherit it.
+localrules:
+    all,
+    data,
+    figure,
+    page,
+
+
 onstart:
     plan.check_folders()
 
@@ -144,7 +152,6 @@ rule data:
         report("results/{scene}/claims.md", category="{scene}", subcategory="claims"),
     log:
         "results/logs/{scene}/data.log",
-    localrule: True
     conda:
         "rules/environment.yaml"
     params:
