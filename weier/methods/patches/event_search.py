@@ -46,6 +46,7 @@ MAX_ROOT_INTERVAL = 0.1
 SAME_LOAD = 1e-4
 # in ln(p): closer events count as one load, and the search for a root ends at a shorter step
 MIN_INTERVAL = 1e-9
+ROOT_ERROR = 1e-11  # relative difference of two interpolations, of which the better one is right to 1e-12
 MAX_ROOT_LOADS = 8  # loads per root search, then the interval is divided; 3 are usual
 # divisions for each finished interval, three times those from a decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
@@ -277,8 +278,8 @@ class _Search(NamedTuple):
         first, surface = changes[0], self.starts.surface
         followed = [low if first.birth else high]
         loads, values = [followed[0].load], [_minimum(followed[0], followed[0].kind.series(surface), first)[1]]
-        load, error = _expected_load(low, high, first), np.inf
-        while not (error <= MIN_INTERVAL * load and low.load < load < high.load):
+        load, uncertain = _expected_load(low, high, first), np.inf
+        while not (uncertain <= load and low.load < load < high.load):
             if not low.load < load < high.load or len(loads) > MAX_ROOT_LOADS:
                 return None
             nearest = min(followed, key=lambda state: abs(state.load - load))
@@ -289,7 +290,8 @@ class _Search(NamedTuple):
             followed.append(state)
             loads.append(load)
             values.append(_minimum(state, state.kind.series(surface), first)[1])
-            load, error = _root(loads, values)
+            load, difference = _root(loads, values)
+            uncertain = min(difference / ROOT_ERROR, abs(load - loads[-1]) / MIN_INTERVAL)
         rate = abs((values[-1] - values[0]) / (loads[-1] - loads[0]))
         located: list[tuple[float, _Event]] = []
         for event in changes:
