@@ -3,6 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.linalg import null_space
 
 from weier import Profile
 from weier.surface.crests import (
@@ -63,6 +64,23 @@ def test_the_highest_crest_of_many_waves_and_of_equal_ones(terms):
         crests = find_crests(amplitude, k.tolist(), expand(amplitude, k.tolist(), phase))
         assert z == pytest.approx(crests.expansion[:, 0].max(), rel=0, abs=8 * EPS * amplitude.sum())
         assert amplitude @ np.cos(2 * np.pi * k * x + phase) == pytest.approx(z, abs=1e-9)
+
+
+def test_the_highest_crest_is_exact_where_it_is_flat():
+    """Four waves whose slope, curvature and third derivative vanish at x = 0, so that Newton's step is rounding."""
+    random, waves, distance = np.random.default_rng(1), np.array([1, 2, 3, 5]), np.linspace(0, 1, 1001)[:, None]
+    seen, flat = 0, np.linspace(-1e-4, 1e-4, 201)[:, None]
+    for _ in range(400):
+        phase, shift = random.uniform(0, 2 * np.pi, 4), random.uniform()
+        (amplitude,) = null_space([-waves * np.sin(phase), -(waves**2) * np.cos(phase), waves**3 * np.sin(phase)]).T
+        amplitude *= -np.sign(np.cos(phase) @ (amplitude * waves**4))
+        if np.max(np.cos(2 * np.pi * waves * distance + phase) @ amplitude) > np.cos(phase) @ amplitude + 4 * EPS:
+            continue
+        _, z = highest_crest(amplitude, waves.tolist(), phase + 2 * np.pi * waves * shift, 1)
+        height = np.max(np.cos(2 * np.pi * waves * flat + phase) @ amplitude)
+        assert z == pytest.approx(height, rel=0, abs=8 * EPS * np.abs(amplitude).sum())
+        seen += 1
+    assert seen > 30
 
 
 @pytest.mark.parametrize(("gamma", "m"), [(np.pi, 4), (2.5, 300), (2, 40), (1000, 6)])

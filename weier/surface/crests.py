@@ -212,10 +212,13 @@ def highest_crest(
         node, theta, t, z = node[row], theta[row], part_of[row, part], z[row, part]
     highest = np.argmax(z)
     node, theta, t = node[highest], theta[highest], t[highest]
-    at = theta + t * angle
+    at, height = theta + t * angle, z[highest]
     if (downward := np.cos(at) @ (amplitude * angle**2)) > rounding:  # Newton's step for the position
-        t -= np.sin(at) @ (amplitude * angle) / downward
-    return float((node + t) % points * (period / points)), float(np.cos(theta + t * angle) @ amplitude)
+        newton = t - np.sin(at) @ (amplitude * angle) / downward
+        stepped = np.cos(theta + newton * angle) @ amplitude
+        if stepped >= height - rounding:  # A flat crest, where both derivatives are rounding, may be left by the step.
+            t, height = newton, stepped
+    return float((node + t) % points * (period / points)), float(height)
 
 
 def crest_heights(
