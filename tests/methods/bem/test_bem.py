@@ -113,7 +113,7 @@ def test_what_is_not_a_number_is_an_error():
     solver = active_set.NestedSolver(Profile(1.25, 5, 1), 8, 1e-10)
     solution, height = solver.solve_discrete(0.3, True), solver.grid.height.copy()
     for wrong in (np.nan, np.inf):
-        solver.grid.height[0] = wrong
+        solver.grid.height[3] = wrong
         assert solver.solve_discrete(0.3, False).residual == np.inf
     solver.grid.height[:] = height
     assert solver.solve_discrete(0.3, True).resistance == solution.resistance

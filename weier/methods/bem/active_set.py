@@ -115,9 +115,10 @@ def violations(grid: Grid, state: GridState) -> tuple[float, float]:
 
     Violations are penetration outside, and tension inside as the displacement at its own node, in g_0.
     """
-    plane, contact_gap, violation = state.progress[0].plane, 0.0, 0.0
+    plane, contact_gap, violation, total = state.progress[0].plane, 0.0, 0.0, 0.0
     for i in range(state.pressure.size):
         above = state.deformed[i] - plane
+        total += above + state.pressure[i]
         if state.contact[i]:
             contact_gap = max(contact_gap, abs(above))
             violation = max(violation, -state.pressure[i] * grid.self_influence)
@@ -125,7 +126,7 @@ def violations(grid: Grid, state: GridState) -> tuple[float, float]:
         else:
             violation = max(violation, above)
             state.vector[i] = 0.0
-    return contact_gap, violation
+    return (contact_gap, violation) if abs(total) < np.inf else (np.inf, np.inf)  # max() ignores a NaN
 
 
 @kernel
@@ -204,7 +205,7 @@ def _iterate(max_steps: int, flatness: float, coarse: Array, grid: Grid, state: 
             own.resistance = -dot(state.pressure, state.deformed) / state.pressure.size
             solved = contact_gap <= flatness * max(own.resistance, MIN_RESISTANCE)
         else:
-            own.residual = max(contact_gap, violation) if abs(own.plane) < np.inf else np.inf  # max() ignores a NaN
+            own.residual = max(contact_gap, violation)
             solved = own.residual <= grid.max_residual
         if solved and (is_tangent or grid.is_coarse or not own.moved):
             return True

@@ -224,5 +224,4 @@ METHOD = Method(
     check=_grid,
     by_load=lambda **settings: True,
     complete=with_errors,
-    # compiles the kernels of edges on nodes, which default curves do not call
 )
