@@ -199,9 +199,9 @@ def length_unit(name: str) -> str:
 
 
 def known_unit(what: str, given: Mapping[str, Any], named: Collection[str], required: bool = True) -> str:
-    """Return the common unit of what the arguments of a call and a file or an array name, empty if none is required.
+    """Return the common unit that the arguments of a call and a file or an array name.
 
-    ValueError is raised if they disagree, or name none.
+    ValueError is raised if they disagree, or name none, unless none is required: then the unit is empty.
     """
     own = {name: checked_word(name, unit, UNITS) for name, unit in given.items() if unit is not None}
     found = [*own.values(), *named]
