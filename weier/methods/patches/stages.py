@@ -57,7 +57,7 @@ MIN_TOLERANCE = 10 * FIELD_ROUNDING  # smallest relative tolerance of the residu
 # largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
 # then vanishes again
 MAX_TOLERANCE = 1e-6
-FIRST_TOLERANCE = 1e-5  # for the nodes of the first step, whose moves are some hundredths, to a few thousandths
+FIRST_TOLERANCE = 1e-5  # for the nodes of the first step, which leaves edges off by thousandths on any nodes
 # Largest allowed ratio of the stage-3 residual to the target of the iteration. It is also the ratio of the target to
 # the residual of the equations, and a second attempt (`solve_state`) divides its tolerance by it.
 MAX_OVER_TARGET = 10.0
