@@ -10,18 +10,18 @@ min_version("9.0")
 
 VERSION = "0.1.0"  # this workflow and the package of its jobs have this version
 CHECKOUT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
-# Jobs run the Python of Snakemake, or of their own environment. The package next to this file takes precedence, here
-# and in jobs; a workflow without it, for example from snakedeploy, uses the installed package.
-first = {"PATH": Path(sys.executable).parent}
+# The package next to this file takes precedence, here and in jobs; a workflow without it, for example from snakedeploy,
+# uses the installed package.
 if (CHECKOUT / "weier").is_dir():
     sys.path.insert(0, str(CHECKOUT))
-    first["PYTHONPATH"] = CHECKOUT
-for name, folder in first.items():
-    elsewhere = filter(None, [os.environ.get(name)])
-    os.environ[name] = os.pathsep.join([str(folder), *elsewhere])
+    elsewhere = filter(None, [os.environ.get("PYTHONPATH")])
+    os.environ.update(PYTHONPATH=os.pathsep.join([str(CHECKOUT), *elsewhere]))
 
 try:
     import weier.pipeline.workflow
+
+    if weier.__version__ != VERSION:
+        raise ModuleNotFoundError(name=f"weier {VERSION}, not {weier.__version__},")
 except ModuleNotFoundError as error:
     raise SystemExit(
         f"weier: Snakemake needs {error.name} in its own environment: pip install 'weier[pipeline]=={VERSION}', or "
@@ -47,7 +47,6 @@ include: "rules/accuracy.smk"
 
 wildcard_constraints:
     scene=r"[A-Za-z0-9_-]+",
-    what=rf"[\w.{BETWEEN}-]+",
     share=r"\d+-of-\d+",
     stamps=plan.new_digests,
 
@@ -82,11 +81,12 @@ rule compile:
     conda:
         "rules/environment.yaml"
     params:
+        run=command,
         kernels=lambda wildcards, output: Path(output[0]).name,
     message:
         "compile {params.kernels}"
     shell:
-        "python3 -P -m weier compile {params.kernels:q} 2>&1 | tee -i {log:q}"
+        "{params.run} weier compile {params.kernels:q} 2>&1 | tee -i {log:q}"
 
 
 # The sums over many contacts, which take half as long as the rest and start after it.
@@ -114,12 +114,13 @@ rule solve:
     resources:
         runtime=plan.minutes,
     params:
+        run=command,
         scenes=scenes_of,
         seconds=plan.seconds,
     message:
         "solve {wildcards.what}, {wildcards.share}, in about {params.seconds} s"
     shell:
-        "python3 -P -m weier curves {wildcards.what:q} {wildcards.share} {wildcards.numerics} results/curves"
+        "{params.run} weier curves {wildcards.what:q} {wildcards.share} {wildcards.numerics} results/curves"
         " {params.scenes:q} 2>&1 | tee -i {log:q}"
 
 
@@ -136,12 +137,13 @@ rule make:
     conda:
         "rules/environment.yaml"
     params:
+        run=command,
         scene=lambda wildcards, output: scene_file(wildcards.scene),
         stamps=plan.stamps,
     message:
         "{wildcards.scene}: make the share {wildcards.share} of the products"
     shell:
-        "python3 -P -m weier make {params.scene:q} results/curves {output:q} {params.stamps:q} 2>&1 | tee -i {log:q}"
+        "{params.run} weier make {params.scene:q} results/curves {output:q} {params.stamps:q} 2>&1 | tee -i {log:q}"
 
 
 rule data:
@@ -160,7 +162,9 @@ rule data:
     message:
         "{wildcards.scene}: {params.product}"
     shell:
-        "cp {input.folder:q}/{params.product}/*/* {params.folder} 2>&1 | tee {log:q}"
+        "test -d {input.folder:q}/{params.product} || {{ echo 'weier: {params.product} was not made, for the reason in"
+        " results/logs/{wildcards.scene}/make'; exit 1; }};"
+        " cp {input.folder:q}/{params.product}/*/* {params.folder} 2>&1 | tee {log:q}"
 
 
 use rule data as figure with:
@@ -171,6 +175,10 @@ use rule data as figure with:
             "results/{scene}/figures/{figure}.png",
             category="{scene}",
             subcategory="figures",
+            labels=lambda wildcards: {
+                "figure": wildcards.figure,
+                "caption": caption(plan.scene(wildcards.scene), wildcards.figure).text,
+            },
         ),
         multiext("results/{scene}/figures/{figure}", ".pdf", ".svg", ".csv"),
     log:

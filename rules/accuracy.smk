@@ -12,12 +12,13 @@ rule tradeoff:
         "environment.yaml"
     threads: slots
     params:
+        run=command,
         code=digest_of_modules("accuracy", "figures"),
         numerics=plan.numerics,
         study=lambda wildcards, output: Path(output.page).stem,
         scene=lambda wildcards, input: [f"--scene {path}" for path in input],
     shell:
-        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python3 -P -m weier.accuracy {params.study} {params.scene} "
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run} weier.accuracy {params.study} {params.scene} "
         "> {output.page:q} 2> >(tee -i {log:q} >&2)"
 
 
@@ -58,7 +59,8 @@ rule docs:
     conda:
         "environment.yaml"
     params:
+        run=command,
         code=digest_of_modules("cli", "api", "surface"),
     shell:
-        "sphinx-build --fail-on-warning --keep-going --quiet --fresh-env"
+        "{params.run} sphinx --fail-on-warning --keep-going --quiet --fresh-env"
         ' -D scene_figures="$PWD/results/paper/figures" "$(dirname {input.index:q})" results/docs 2>&1 | tee -i {log:q}'

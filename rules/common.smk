@@ -1,7 +1,10 @@
 # Functions for the rules; what they ask is in weier/pipeline/workflow.py.
+import shlex
 from functools import partial
 
+from snakemake.settings.types import DeploymentMethod
 from weier.digests import digest_of_modules
+from weier.figures import caption
 from weier.figures.scene_checks import load_by_name
 from weier.pipeline.products import DATA, PAGE, files_of
 from weier.pipeline.workflow import (
@@ -16,6 +19,12 @@ SCENES = names_of_scenes(config)
 settings = workflow.resource_settings
 slots = settings.nodes or settings.cores or 1  # jobs that run at once
 plan = Plan(SCENES, partial(load_by_name, folder=CONFIG / "scenes"), slots)
+
+# Jobs run modules by the Python of Snakemake, or of their own environment. Since the parameter is a function of the
+# output, another Python makes nothing again.
+in_conda = DeploymentMethod.CONDA in workflow.deployment_settings.deployment_method
+python = "python" if in_conda else shlex.quote(sys.executable)
+command = lambda wildcards, output: f"{python} -P -m"
 
 
 def scene_file(name):

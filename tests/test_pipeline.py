@@ -2,8 +2,10 @@
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
+import sys
 from base64 import b64encode
 
 import pytest
@@ -88,6 +90,17 @@ def test_what_runs_no_job_needs_no_number_of_cores_and_writes_nothing(checkout):
     assert not (checkout / "results").exists()
 
 
+def test_a_package_of_another_version_is_refused_in_a_sentence(checkout):
+    edit(checkout / "Snakefile", f'VERSION = "{VERSION}"', 'VERSION = "0.0.1"')
+    done = call(checkout, "--dry-run", "--config", "scenes=test")
+    edit(checkout / "Snakefile", 'VERSION = "0.0.1"', f'VERSION = "{VERSION}"')
+    assert done.returncode == 1
+    assert done.stderr.startswith(
+        f"weier: Snakemake needs weier 0.0.1, not {VERSION}, in its own environment: pip install"
+    )
+    assert done.stderr.count("\n") == 1
+
+
 @pytest.fixture(scope="module")
 def finished(checkout):
     assert made(run(checkout, cores=2))[0] == EVERY
@@ -122,13 +135,14 @@ def test_there_and_back_each_product_is_that_of_its_scene_and_edited_files_are_m
     assert planned(finished) == {}
 
 
-def test_the_report_of_snakemake_has_the_explorer_and_the_figures(finished):
+def test_the_report_of_snakemake_has_the_explorer_and_the_figures_with_captions(finished):
     run(finished, "--report", "report.html")
     text = (finished / "report.html").read_text()
     page = (finished / "results/test/page.html").read_bytes()
     assert b'"curve bem"' in page  # the data of a line of the explorer
     assert f";filename=page.html;base64,{b64encode(page).decode()}" in text
     assert "results/test/figures/two.png" in text
+    assert "Compliance over mean pressure. All curves of one profile meet at full contact" in text
     assert re.findall(r'<(?:script|link|img)[^>]*(?:src|href)="https?:', text) == []
 
 
@@ -154,8 +168,8 @@ def test_the_workflow_runs_from_any_folder(finished, tmp_path):
     assert set(re.findall(r"^weier_(\w+) +\d+$", plan, re.M)) == rules
 
 
-def test_an_image_has_the_environment_of_the_rules(checkout, tmp_path):
-    """A program that answers as conda does is enough."""
+def test_jobs_run_the_python_of_snakemake_or_that_of_their_environment(checkout, tmp_path):
+    """A program that answers as conda does is enough for a plan."""
     answer = '{"conda_prefix": "/", "platform": "linux-64", "get": {"channel_priority": "strict"}}'
     conda = tmp_path / "conda"
     conda.write_text(f"#!/bin/sh\n[ $1 = --version ] && echo conda 24.7.1 || echo '{answer}'\n")
@@ -164,8 +178,13 @@ def test_an_image_has_the_environment_of_the_rules(checkout, tmp_path):
     image = run(checkout, "--containerize", PATH=path)
     assert "COPY rules/environment.yaml /conda-envs/" in image
     assert f"weier=={VERSION}" in image
-    line = "Conda environment rules/environment.yaml will be created."
-    assert line in run(checkout, "--dry-run", "--forceall", "--sdm", "conda", PATH=path)
+    (checkout / "config/scenes/other.yaml").write_text(SCENE.replace("gamma: 5", "gamma: 4"))
+    plan = ("--dry-run", "--printshellcmds", "all", "extremes")
+    for software, python in ((), shlex.quote(sys.executable)), (("--sdm", "conda"), "python"):
+        said = run(checkout, *plan, *software, scene="other", PATH=path)
+        assert ("Conda environment rules/environment.yaml will be created." in said) == bool(software)
+        jobs = re.findall(r"^Shell command: (?:[A-Z_]+=1 )*(.*) -P -m weier(?:\.accuracy)? (\w+)", said, re.M)
+        assert sorted(jobs) == [(python, "curves"), (python, "extremes"), (python, "make")]
 
 
 def test_the_workflow_is_fetched_from_a_repository(checkout, tmp_path):
@@ -207,6 +226,7 @@ def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     done = call(finished, "--latency-wait", "1", "--cores", "1", "--config", "scenes=test")
     assert done.returncode == 1
     assert "weier: two cannot be made: no ink\n" in done.stdout
+    assert "\nweier: two was not made, for the reason in results/logs/test/make\n" in done.stdout
     assert sorted((finished / "results/test/.made_of").glob("*/two/*")) == stamps
     assert not killed.exists()
     assert made(done.stdout) == (["contact.nc", "one", "page.html"], 0)
