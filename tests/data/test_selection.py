@@ -92,6 +92,24 @@ def test_a_selection_has_the_same_rows(select):
         assert cases.compliance.size == selected.compliance.size / np.unique(selected.D).size
 
 
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (lambda data: data.drop_vars("D"), "holds no curves, since there is no D: take a result of weier.solve"),
+        (lambda data: data.drop_vars("mean_pressure"), "since there is no mean_pressure: take"),
+        (lambda data: xr.Dataset({"x": [1.0]}), "since there is no D: take"),
+        (
+            lambda data: data.stack(row=("case", "mean_pressure")),
+            "has the dimension row, which curves have not: unstack",
+        ),
+    ],
+)
+@pytest.mark.parametrize("use", [lambda data: data.weier.table(), lambda data: data.weier.cases(m=2)])
+def test_a_dataset_that_holds_no_curves_is_refused(change, why, use):
+    with pytest.raises(ValueError, match=why):
+        use(change(solved()))
+
+
 def test_what_is_written_over_a_file_that_was_read_is_read(path, tmp_path):
     """netCDF refuses to write what is open, and xarray keeps what it has read."""
     mine = shutil.copyfile(path, tmp_path / "mine.nc")

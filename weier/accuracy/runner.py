@@ -91,7 +91,7 @@ def attempt(variant: Variant, profile: Waves, loads: Array) -> Run:
         warnings.simplefilter("always")
         try:
             found = run(variant, profile, loads)
-        except TimeoutError:
+        except TimeoutError:  # raised by the caller's handler of signals, such as a time limit: no result of a method
             raise
         except Exception as error:  # a fault of a method is a result, too
             message, none = f"{type(error).__name__}: {error}", np.full((2, loads.size), np.nan)

@@ -134,12 +134,20 @@ class CurvesAccessor:
 def as_cases(data: xr.Dataset) -> xr.Dataset:
     """Return curves with the dimensions of the table of variables, in its order, whatever was selected from them.
 
-    A dimension that was selected away is added with size 1.
+    A dimension that was selected away is added with size 1. ValueError is raised if a variable that describes a curve
+    is missing, or if dimensions were stacked.
     """
+    if lacking := [name for name in NEEDED if name not in data.variables]:
+        raise ValueError(
+            f"the dataset holds no curves, since there is no {lacking[0]}: take a result of weier.solve, or a file "
+            "of curves"
+        )
     changed = dict[Hashable, xr.Variable]()
     for label, variable in data.variables.items():
         known = VARIABLES.get(str(label))
         dims: tuple[Hashable, ...] = known.dims if known else variable.dims or ("case",)
+        if strange := [str(dim) for dim in variable.dims if dim not in dims]:
+            raise ValueError(f"{label} has the dimension {strange[0]}, which curves have not: unstack it first")
         if variable.dims != dims:
             changed[label] = variable.set_dims({dim: data.sizes.get(dim, 1) for dim in dims})
     # A coordinate that becomes a dimension needs a new index.

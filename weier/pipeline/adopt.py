@@ -79,10 +79,12 @@ def _compared(part: Part, store: Store, other: Store) -> tuple[bool, bool]:
 
 
 def _same(new: Any, old: Any) -> bool:
-    """Return whether two arrays have the same bits, whatever NaN ends their rows."""
-    if new is None or old is None:
-        return new is old
-    return np.array_equal(new[new == new], old[old == old])
+    """Return whether two arrays are identical, except for the padding with NaN at the ends of their rows."""
+    if new is None or old is None or new.dtype.kind == "U":
+        return np.array_equal(new, old)
+    shape = np.maximum(new.shape, old.shape)
+    padded = (np.pad(one, [(0, more) for more in shape - one.shape], constant_values=np.nan) for one in (new, old))
+    return np.array_equal(*padded, equal_nan=True)
 
 
 def _within(values: list[Any], errors: list[Any]) -> bool:
