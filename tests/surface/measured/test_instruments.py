@@ -45,7 +45,7 @@ def test_a_line_scan_is_a_trace_with_its_unit():
     scan = Topography(MAP[:, 0], (400.0,), "\u00b5m")
     assert_same(Trace.of(scan), MAP[:, 0], 4e-4)
     assert Trace.of(scan).lambda_0 == 4e-4  # 400 * 1e-6 is 0.00039999999999999996
-    with pytest.raises(ValueError, match="heights must have one unit, got unit='mm' and '\u00b5m' by itself"):
+    with pytest.raises(ValueError, match="heights must have one unit, got unit='mm' and '\u03bcm' by itself"):
         Trace.of(scan, unit="mm")
     with pytest.raises(ValueError, match=r"length must be that of the file, 0.0004 m, got 0.001 m: leave it out"):
         Trace.of(scan, length=1e-3)

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from weier.surface.measured.lines import cell_unit, heading_cells
+from weier.surface.measured.lines import heading_of
 from weier.surface.measured.trace import Trace
 
 N = np.arange(200)
@@ -89,6 +89,10 @@ ORDINARY = {
     "empty lines between rows": (columns().replace("\n", "\n\n"), {}),
     "a header block": ("Cutoff (mm),0.25\nDate,2024-01-01\nPoints,200\n" + columns(), {}),
     "units in a line of their own": (columns(heading="X,Z\nmm,um\n"), {}),
+    "one unit for both": (
+        columns("  ", "Profile 1\nx  y1\n[m]  [m]\n", [f"{x:.6e}" for x in X / 1e3], lambda z: f"{z / 1e6:.6e}"),
+        {},
+    ),
     "a heading as a remark": (columns(heading="# x (mm), z (um)\n"), {}),
     "a rule below the heading": (columns(heading="x (mm),z (um)\n----------\n"), {}),
     "heights first": (columns(heading="z [um],x [mm]\n", x=list(map(written, Z)), z=[f"{x:.4f}" for x in X]), {}),
@@ -174,6 +178,15 @@ def test_a_sign_apart_from_its_number_is_never_lost(file, form, minus):
         Trace.read(path, **UNITS | units)
 
 
+def test_a_minus_apart_from_all_heights_is_not_lost(file):
+    text = "".join(f"{x:.4f};-;{z + 2:.6f}\n" for x, z in zip(X, Z, strict=True))
+    with pytest.raises(ValueError, match="line 1, has an entry in column 1 that may be a sign"):
+        Trace.read(file(text), columns=(0, 2), **UNITS)
+    for entries in (("ok",), "abcd"):  # the same everywhere, or too many to be marks
+        rows = (f"{x:.4f};{entries[n % len(entries)]};{z:.6f}\n" for n, (x, z) in enumerate(zip(X, Z, strict=True)))
+        assert_right(Trace.read(file("".join(rows)), columns=(0, 2), **UNITS))
+
+
 def test_a_number_that_only_one_column_has_is_no_height(file):
     """A parameter or a count at an end, beside a word or among missing heights."""
     for text in (columns() + "Ra (um),0.700000\n", "Ra (um),0.700000\n" + columns(heading="")):
@@ -204,11 +217,13 @@ def test_heights_that_a_column_marks_as_invalid_are_refused(file, yes, no):
     def table(height, mark):
         rows = [f"{written(z)};{yes}" for z in Z]
         rows[60] = f"{height};{mark}"
-        return file(columns(";", "x;z;Is_Valid\nmm;um;-\n", z=rows))
+        return file(columns(";", "x;z;g\u00fcltig\nmm;um;-\n", z=rows))
 
     assert_right(Trace.read(table(written(Z[60]), yes), columns=(0, 1)))
     for more in ({"columns": (0, 1)}, {"columns": 1, "length": 1e-3}):
-        with pytest.raises(ValueError, match=r"line 63, has a height that is not valid .*: write nan for heights"):
+        with pytest.raises(
+            ValueError, match=r"line 63, has an entry in column 2 that may be a sign, or mark .* nan for .* pandas"
+        ):
             Trace.read(table(written(Z[60]), no), **more)
     with pytest.raises(ValueError, match=r"^1 of 200 heights are missing, the first is height 61 in line 63"):
         Trace.read(table("nan", no), columns=(0, 1))
@@ -252,7 +267,7 @@ SETTLED = {
     "an empty line in one column": (
         with_line(column(), ""),
         {"length": 1e-3},
-        "line 102, is empty, .*: write nan if a height is missing, or leave out the line",
+        "line 102, does not have the number of columns .* write nan if a height is missing, leave out an empty line",
         None,
     ),
     "text below one column": (column() + "END\n", {"length": 1e-3}, "line 202, .* say rows=200", {"rows": 200}),
@@ -418,7 +433,7 @@ def test_a_row_that_is_left_out_of_two_columns_is_refused(file):
     ],
 )
 def test_units_of_a_heading(heading, units):
-    assert list(map(cell_unit, heading_cells(heading, len(units), " "))) == units
+    assert [unit for _, unit in heading_of(heading, len(units), ";")] == units
 
 
 @pytest.mark.parametrize("heading", ["x (mm)", "Position [mm]", "Profile length (mm)"])
@@ -484,10 +499,14 @@ def rows(z, x):
     [
         ("It is rough,\nin places.\n", {}, "line 2, and the others, are no rows of numbers, got 'in places.'"),
         ("\n\n", {}, "shaft.csv must have a table of numbers, got no text in 2 lines"),
-        ("1 2\n3\n4 5", {}, "shaft.csv, line 2, has 1 columns, and most others have 2, got '3'"),
-        ("1 2\n3 four\n5 6\n", {}, "shaft.csv, line 2, has 'four' for a number, got '3 four'"),
+        ("1 2\n3\n4 5", {}, "shaft.csv, line 2, does not have the number of columns of most others, 2, got '3'"),
+        ("1 2\n3 four\n5 6\n", {}, "shaft.csv, line 2, has no number in column 1, got '3 four'"),
         (rows(COS, np.zeros(100)), {}, "positions must rise in equal steps, got 0.0 at height 2 in line 99"),
-        (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, "line 51, has no position"),
+        (
+            rows(COS, np.where(EVEN == 50, np.nan, EVEN)),
+            {},
+            "positions must rise in equal steps, got nan at height 51 in line 51",
+        ),
         (
             rows(COS, EVEN),
             {"columns": (0, 0)},

@@ -89,7 +89,7 @@ def topography_lines(topography: Any, line: int | None, across: str | None, size
         raise ValueError(f"topography must be one of SurfaceTopography, got {shown(topography)}")
     heights = np.ma.asarray(topography.heights())
     sizes = topography.physical_sizes if sized else None
-    units = (length_unit(str(topography.unit)),) if topography.unit else ()
+    unit = length_unit(str(topography.unit or ""))
     periodic = bool(getattr(topography, "is_periodic", False))
     if heights.ndim == 1:
         if line is not None or across is not None:
@@ -97,7 +97,7 @@ def topography_lines(topography: Any, line: int | None, across: str | None, size
         even = getattr(topography, "is_uniform", True)
         positions = None if even else np.asarray(topography.positions())
         length = None if sizes is None or not even else float(sizes[0])
-        yield Line(heights, positions, length, units, units, periodic)
+        yield Line(heights, positions, length, unit, unit, periodic)
         return
     shape = f"a map of {heights.shape[0]} by {heights.shape[1]} heights"
     if line is None and across is None:
@@ -107,4 +107,4 @@ def topography_lines(topography: Any, line: int | None, across: str | None, size
     numbers = range(len(along)) if line is None else [checked_count("line", line, 0, len(along) - 1)]
     for number in numbers:
         length = None if sizes is None else float(sizes[axis])
-        yield Line(along[number], None, length, units, units, periodic, AXES[axis], number)
+        yield Line(along[number], None, length, unit, unit, periodic, AXES[axis], number)

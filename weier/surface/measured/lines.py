@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,10 +35,10 @@ SPELLINGS = {
     **{name: name for name in UNITS},
     **{prefix + name: unit for prefix, unit in PREFIXES.items() for name in ("meter", "meters", "metre", "metres")},
     **dict.fromkeys(("micron", "microns", "mum"), "um"),
-    **dict.fromkeys(("\u00e5", "\u212b", "angstroms", "\u00e5ngstr\u00f6m", "ang"), "angstrom"),
+    **dict.fromkeys(("\u00e5", "angstroms", "\u00e5ngstr\u00f6m", "ang"), "angstrom"),
     **dict.fromkeys(("inches",), "inch"),
     **dict.fromkeys(("mils", "thou"), "mil"),
-    **dict.fromkeys(("\u00b5in", "\u03bcin", "microinch", "microinches"), "uin"),
+    **dict.fromkeys(("\u03bcin", "microinch", "microinches"), "uin"),
 }
 BRACKETED = {"in": "inch", "a": "angstrom"}  # These are units only in brackets, and words elsewhere.
 
@@ -55,7 +55,6 @@ CELL = re.compile(
     re.IGNORECASE,
 )
 
-
 # Positions may deviate from equal steps by 1.5 units of their last decimal altogether, as rounded or cut ones do, or
 # by the first fraction of a step, but by less than the second one: a row that is left out shifts those behind it by
 # a whole step. They must also give the length within the third number.
@@ -68,7 +67,7 @@ class Line(NamedTuple):
     heights : array, shape (samples,); masked, NaN or None for missing heights
     positions : array, shape (samples,), along the line; None if it has none
     length : length of the line, the number of heights times the step; None if unknown
-    x_units, height_units : the units that are named for positions and length, and for heights: none or more
+    x_unit, height_unit : the units that are named for positions and length, and for heights; empty if none is
     periodic : whether the surface is known to repeat
     axis, number : for a line of a map, the axis that it runs along and its number among these lines
     numbers : in a file of text, the number of the line of each height, from 1
@@ -77,8 +76,8 @@ class Line(NamedTuple):
     heights: Any
     positions: Any = None
     length: float | None = None
-    x_units: tuple[str, ...] = ()
-    height_units: tuple[str, ...] = ()
+    x_unit: str = ""
+    height_unit: str = ""
     periodic: bool = False
     axis: str = ""
     number: int | None = None
@@ -114,7 +113,7 @@ def length_of_steps(x: Array, length: float | None, place: Callable[[int], str])
         and (rise >= 0).all()
         and np.ptp(x - step * rows) <= min(max(EQUAL * step, 1.5 * _last_decimal(x)), most)
     ):
-        at = int(np.abs(rise - np.median(rise)).argmax()) + 1
+        at = int(np.abs(rise - np.nanmedian(rise)).argmax()) + 1
         raise ValueError(
             f"positions must rise in equal steps, got {x[at]} at {place(at)}: say columns=(1, 0) if the positions "
             'are in the second column, decimal="," for decimal commas, skip= or rows= for a part of the file, '
@@ -140,85 +139,70 @@ def _last_decimal(x: Array) -> float:
 
 def line_from_array(heights: Any) -> Line:
     """Return the line of an array: one of xarray may have a unit, and a coordinate of positions with a unit."""
+    height_unit = length_unit(unit_of(heights))
     dims: tuple[Any, ...] = getattr(heights, "dims", ())
     if len(dims) == 1 and dims[0] in getattr(heights, "coords", ()):
         coordinate = heights.coords[dims[0]]
-        if x_units := _units(coordinate):
-            return Line(heights, coordinate.values, None, x_units, _units(heights))
-    return Line(heights, height_units=_units(heights))
+        if x_unit := length_unit(unit_of(coordinate)):
+            return Line(heights, coordinate.values, None, x_unit, height_unit)
+    return Line(heights, height_unit=height_unit)
 
 
-def _units(values: Any) -> tuple[str, ...]:
-    unit = unit_of(values)
-    return (length_unit(unit),) if unit else ()
+def heading_of(line: str, columns: int, delimiter: str) -> list[tuple[str, str]]:
+    """Return what each column of a table contains by its heading, and its unit; both empty if it does not say.
 
-
-def heading_cells(heading: str, columns: int, delimiter: str) -> list[str]:
-    """Return the cells of a heading, one for each column of a table; empty ones if it has none.
-
-    They stand between the signs of the table or other ones, as in `x (mm),z [um]`, `x_mm z_um`, `x (mm) z (um)` or
-    `mm um`.
+    The cells stand between the signs of the table or other ones, as in `x (mm),z [um]`, `x_mm z_um`, `x (mm) z (um)`
+    or `mm um`.
     """
-    heading = unicodedata.normalize("NFKC", heading)  # signs that look alike, such as micro and mu, become equal
-    for cells in (
-        heading.split(delimiter) if delimiter != " " else [],
-        re.split(r"[,;\t]|\s{2,}", heading),
-        re.split(r"(?<=[\])])\s+", heading),
-        heading.split(),
-    ):
+    line = unicodedata.normalize("NFKC", line)  # signs that look alike, such as micro and mu, become equal
+    splits = re.split(r"[,;\t]|\s{2,}|(?<=[\])])\s+", line), line.split(None if delimiter == " " else delimiter)
+    for cells in (*splits, line.split()):
         cells = [cell.strip(" \t\"'") for cell in cells]
         while len(cells) > 1 and not cells[-1]:
             cells.pop()
         if len(cells) == columns:
-            return cells
-    return [""] * columns
+            return [*map(_meaning, cells)]
+    return [("", "")] * columns
 
 
-def cell_unit(cell: str) -> str:
-    """Return the unit in the cell of a heading; none if it has words other than names of positions and heights."""
-    found = CELL.fullmatch(cell)
-    return _known((found[2] or found[3] or "").strip()) if found else ""
-
-
-def cell_quantity(cell: str) -> str:
-    """Return what a cell of a heading names: positions, heights, or neither."""
-    found = CELL.fullmatch(cell)
-    words = re.findall(r"[^\W\d_]+", found[1].casefold()) if found else []
+def _meaning(cell: str) -> tuple[str, str]:
+    """Return what a cell of a heading names, if it does, and its unit if it has no words but known ones."""
+    if not (found := CELL.fullmatch(cell)):
+        return "", ""
+    words = re.findall(r"[^\W\d_]+", found[1].casefold())
     if (POSITIONS in words) != (HEIGHTS in words):
-        return POSITIONS if POSITIONS in words else HEIGHTS
+        words = [POSITIONS if POSITIONS in words else HEIGHTS]
     quantities = ((POSITIONS, POSITION_WORDS), (HEIGHTS, HEIGHT_WORDS))
-    return next((name for name, known in quantities for word in words if re.fullmatch(known, word)), "")
+    named = (name for name, known in quantities for word in words if re.fullmatch(known, word))
+    return next(named, ""), _known(found[2] or found[3] or "")
 
 
 def length_unit(name: str) -> str:
-    """Return the unit of length for a name in a file or an array; ValueError if it is unknown."""
-    known = _known(name.strip()) or _known(unicodedata.normalize("NFKC", name.strip()))
-    if not known:
+    """Return the unit of length for a name in a file or an array, none for none; ValueError if it is unknown."""
+    known = _known(unicodedata.normalize("NFKC", name.strip()))
+    if name and not known:
         raise ValueError(f"the unit of heights and positions must be one of {', '.join(UNITS)}, got {shown(name)}")
     return known
 
 
-def known_unit(what: str, given: Mapping[str, Any], named: Collection[str], required: bool = True) -> str:
+def known_unit(what: str, given: Mapping[str, Any], named: str = "", required: bool = True) -> str:
     """Return the common unit that the arguments of a call and a file or an array name.
 
     ValueError is raised if they disagree, or name none, unless none is required: then the unit is empty.
     """
-    own = {name: checked_word(name, unit, UNITS) for name, unit in given.items() if unit is not None}
-    found = [*own.values(), *named]
-    if len({UNITS[unit] for unit in found}) > 1:
-        sources = [f"{name}={unit!r}" for name, unit in own.items()] + [f"{unit!r} by itself" for unit in named]
-        raise ValueError(
-            f"{what} must have one unit, got {' and '.join(dict.fromkeys(sources))}: leave out what is wrong"
-        )
+    found = {f"{name}={unit!r}": checked_word(name, unit, UNITS) for name, unit in given.items() if unit is not None}
+    found |= {f"{named!r} by itself": named} if named else {}
+    if len({UNITS[unit] for unit in found.values()}) > 1:
+        raise ValueError(f"{what} must have one unit, got {' and '.join(found)}: leave out what is wrong")
     if required and not found:
         raise ValueError(
             f'{what} must have a unit: name it, as in {list(given)[-1]}="um", or unit="m" for heights and length in '
             f"m; units are {', '.join(UNITS)}"
         )
-    return found[0] if found else ""
+    return next(iter(found.values()), "")
 
 
 def _known(name: str) -> str:
     """Return a unit by one of its spellings; an empty name if it is none."""
-    spellings = {**SPELLINGS, **BRACKETED}
+    spellings = SPELLINGS | BRACKETED
     return "" if name == "M" else spellings.get(name, spellings.get(name.lower(), ""))

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from statistics import mode
 from typing import Any, NamedTuple, NoReturn
@@ -19,7 +20,7 @@ import numpy as np
 from weier.checks import checked_count, checked_word, shown
 from weier.kernels.arrays import Array
 from weier.surface.measured.artefacts import MIN_HEIGHTS
-from weier.surface.measured.lines import HEIGHTS, POSITIONS, Line, cell_quantity, cell_unit, heading_cells
+from weier.surface.measured.lines import HEIGHTS, POSITIONS, Line, heading_of
 
 MAX_BYTES = 2 * 10**8  # 10^6 rows of 200 characters
 BINARY = re.compile("[\x00-\x08\x0e-\x19\x1c-\x1f]")  # control characters that no text has
@@ -35,15 +36,12 @@ MISSING = {
     *("NULL", "null", "None", "none", "BAD", "bad", "--", "---", ""),
 }
 RULES = {"", "--", "---"}  # words for missing heights that also form lines above and below a table
-VALIDITY = re.compile(r"(is[ _]?)?valid(ity)?", re.IGNORECASE)  # heading of a column that marks valid heights
-VALID = re.compile(r"1([.,]0*)?|true|yes|valid", re.IGNORECASE)
 QUOTED = re.compile('^"(.*)"$')
-SEPARATE_SIGNS = frozenset("+-(") | {"plus", "minus", "pos", "neg"}  # signs in a column of their own
+MAX_FLAGS = 3  # so few different entries of a column may be signs of numbers, or mark those that are valid
 SAMPLE_LINES = 200  # approximate number of lines sampled for the signs of a table
 END_ROWS = 5  # rows at the start of one column that may be a count, a step or a length
-# numbers with all digits in groups of three, and a single group
-GROUPED_NUMBER = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", re.ASCII)
-DIGIT_GROUP = re.compile(r"[+-]?\d{1,3}", re.ASCII)
+# numbers with all digits in groups of three
+GROUPS_OF_THREE = re.compile(r"[+-]?(\d{1,3}|[1-9]\d{0,2}([.,]\d{3})+)", re.ASCII)
 PANDAS = "read the file by pandas.read_csv and pass the arrays to weier.Trace"
 OTHERWISE = f"say skip= or rows= for the start or end of the table, or {PANDAS}"
 
@@ -52,36 +50,13 @@ class NotTextError(ValueError):
     """Raised for a file that is not text, but may be in the format of an instrument."""
 
 
-def read_columns(
-    path: Path,
-    skip: int | None = None,
-    rows: int | None = None,
-    columns: int | Sequence[int] | None = None,
-    decimal: str | None = None,
-) -> Line:
-    """Return the line of heights in a file of text, with arguments as of `weier.Trace.read`.
+def read_columns(path: Path, **layout: Any) -> Line:
+    """Return the line of heights in a file of text, with `skip`, `rows`, `columns`, `decimal` of `weier.Trace.read`.
 
     NotTextError is raised if the file is no text, and ValueError if something in the table is not read, or may or may
     not belong to it; the message has the number of the line and the arguments that settle it.
     """
-    if skip is not None:
-        skip = checked_count("skip", skip, 0)
-    if rows is not None:
-        rows = checked_count("rows", rows, 1)
-    if decimal is not None:
-        checked_word("decimal", decimal, (".", ","))
-    chosen = None
-    if columns is not None:
-        given: Any = columns if isinstance(columns, list | tuple) else [columns]
-        chosen = [checked_count("columns", column, 0) for column in given]
-        if not 1 <= len(set(chosen)) == len(chosen) <= 2:
-            raise ValueError(
-                "columns must be the number of the column of heights, from 0, or those of positions and heights, "
-                f"got {shown(columns)}"
-            )
-    text = _text(path).translate(TYPOGRAPHIC_SIGNS)
-    lines = [line.strip(" ") if line.strip(" ;,\t") else "" for line in re.split(r"\r*\n|\r", text)]
-    return _Table(path, lines if lines[-1] else lines[:-1] or lines, skip, rows, chosen, decimal).line()
+    return _Table(path, **layout).line()
 
 
 class _Signs(NamedTuple):
@@ -101,26 +76,26 @@ class _Signs(NamedTuple):
         return cls(delimiter, decimal, re.compile(number, re.ASCII))
 
     def split(self, line: str) -> list[str]:
-        """Return the fields of a line, without blanks and quotes around them."""
-        fields = [field.strip(" \t") for field in line.split(None if self.delimiter == BLANK else self.delimiter)]
-        return [QUOTED.sub(r"\1", field) for field in fields] if '"' in line else fields
+        """Return the fields of a line, without blanks and quotes around them; none of an empty line."""
+        fields = line.split(None if self.delimiter == BLANK else self.delimiter) if line else []
+        return [QUOTED.sub(r"\1", field.strip(" \t")) for field in fields]
 
     def is_number(self, field: str) -> bool:
         return self.number.fullmatch(field) is not None
 
-    def value(self, field: str) -> float | None:
-        """Return the value of a text, also with a Fortran exponent; NaN if it is missing, None if it is no number."""
-        if self.number.fullmatch(field):
-            return float(field.replace(self.decimal, ".").translate({ord("d"): "e", ord("D"): "e"}))
-        return math.nan if field in MISSING else None
+    def are_known(self, fields: Iterable[str]) -> bool:
+        """Return whether all fields are numbers or words for missing heights."""
+        return all(field in MISSING or self.is_number(field) for field in fields)
 
     def is_row(self, fields: Sequence[str], columns: Sequence[int] | None) -> bool:
-        """Return whether these columns of a line, or all, have numbers or words for missing heights."""
-        if columns is not None and len(fields) <= max(columns):
-            return False
-        chosen = fields if columns is None else [fields[column] for column in columns]
-        known = all(self.is_number(field) or field in MISSING for field in chosen)
-        return known and not RULES.issuperset(chosen)
+        """Return whether these columns of a line, or all, are known, and not only a rule."""
+        if columns is not None:
+            fields = [fields[column] for column in columns] if len(fields) > max(columns) else []
+        return not RULES.issuperset(fields) and self.are_known(fields)
+
+    def value(self, field: str) -> float:
+        """Return the value of a known field, also with a Fortran exponent; NaN if it is missing."""
+        return math.nan if field in MISSING else float(field.replace(self.decimal, ".").upper().replace("D", "E"))
 
 
 class _Table:
@@ -129,53 +104,55 @@ class _Table:
     def __init__(
         self,
         path: Path,
-        lines: list[str],
-        skip: int | None,
-        rows: int | None,
-        columns: list[int] | None,
-        decimal: str | None,
+        skip: int | None = None,
+        rows: int | None = None,
+        columns: int | Sequence[int] | None = None,
+        decimal: str | None = None,
     ) -> None:
-        self.path, self.lines, self.skip, self.rows, self.decimal = path, lines, skip, rows, decimal
-        every = range(skip or 0, len(lines))
-        filled = [at for at in every if lines[at]]
+        self.skip = skip if skip is None else checked_count("skip", skip, 0)
+        self.rows = rows if rows is None else checked_count("rows", rows, 1)
+        self.decimal = decimal if decimal is None else checked_word("decimal", decimal, (".", ","))
+        chosen = _checked_columns(columns)
+        text = _text(path).translate(TYPOGRAPHIC_SIGNS)
+        lines = [line.strip(" ") if line.strip(" ;,\t") else "" for line in re.split(r"\r*\n|\r", text)]
+        self.path, self.lines = path, lines if lines[-1] else lines[:-1] or lines
+        filled = [at for at in range(self.skip or 0, len(self.lines)) if lines[at]]
         if not filled:
-            raise ValueError(f"{path} must have a table of numbers, got no text in {len(lines)} lines: see skip=")
-        self.signs, sample = self._find_signs(filled[:: max(len(filled) // SAMPLE_LINES, 1)], columns)
+            raise ValueError(
+                f"{path} must have a table of numbers, got no text in {len(self.lines)} lines: see skip="
+            )
+        self.signs, sample = self._find_signs(filled[:: max(len(filled) // SAMPLE_LINES, 1)], chosen)
         self.width = mode(map(len, sample))
-        fields = list(zip(*(row for row in sample if len(row) == self.width), strict=True))
+        fields = [*zip(*(row for row in sample if len(row) == self.width), strict=True)]
         # A delimiter may stand at the end of each row.
         self.count = 1 + max(at for at, column in enumerate(fields) if any(column))
         words = [sum(not self.signs.is_row([field], None) for field in column if field) for column in fields]
         self.of_numbers = [column for column, number in enumerate(words) if number < len(fields[0]) / 2]
         self.block = self._find_block(filled)
-        above = lines[: skip or self.block[0]]
-        self.cells = self._cells(next((line for line in reversed(above) if re.search(r"[^\W_]", line)), ""))
-        self.columns = self._find_columns(columns)
+        above = (line for line in reversed(lines[: self.block[0]]) if re.search(r"[^\W_]", line))
+        self.heading = self._heading(next(above, ""))
+        self.columns = self._find_columns(chosen)
         if len(self.columns) == 2:
             self.block = [at for at in self.block if lines[at]]
 
     def line(self) -> Line:
         """Return the heights of the table and their positions, with all that its heading says of them."""
-        with_positions = len(self.columns) == 2
         self._check_neighbours()
-        texts = self._texts()
-        values = self._values(texts)
+        rows = [self.signs.split(self.lines[at]) for at in self.block]
+        self._check_rows(rows)
+        texts = [[row[column] for column in self.columns] for row in rows]
+        values = np.array([list(map(self.signs.value, row)) for row in texts])
         self._check_thousands(texts)
-        if with_positions and (gone := np.isnan(values[:, 0])).any():
-            remedy = "say columns=1 for heights alone, or rows= or skip= for a part"
-            self._refuse(self.block[int(gone.argmax())], "has no position", remedy)
-        if not with_positions:
+        if len(self.columns) == 1:
             self._check_ends([text for (text,) in texts], values[:, 0])
-        cells = [self.cells[column] for column in self.columns]
+        cells = [self.heading[column] for column in self.columns]
         others = (HEIGHTS, POSITIONS)[-len(cells) :]
-        named = [
-            "" if cell_quantity(cell) == other else cell_unit(cell) for cell, other in zip(cells, others, strict=True)
-        ]
+        named = ["" if quantity == other else unit for (quantity, unit), other in zip(cells, others, strict=True)]
         return Line(
             values[:, -1],
-            values[:, 0] if with_positions else None,
-            x_units=tuple(filter(None, named[:-1])),
-            height_units=tuple(filter(None, named[-1:])),
+            values[:, 0] if len(self.columns) == 2 else None,
+            x_unit="".join(named[:-1]),
+            height_unit=named[-1],
             numbers=tuple(at + 1 for at in self.block),
         )
 
@@ -192,17 +169,17 @@ class _Table:
         if not most:
             remedy = f"say columns= or decimal= if the file has columns of numbers, or {PANDAS}"
             self._refuse(sample[len(sample) // 2], "and the others, are no rows of numbers", remedy)
-        (best, rows), *others = [(signs, rows) for signs, rows in found if len(rows) == most]
-        if commas := [at for at in rows if "," in lines[at]]:
-            hidden = any((best.delimiter == ",") != (signs.delimiter == ",") for signs, _ in others)
-            fields = [best.split(lines[at]) for at in rows]
+        best, rows = next(one for one in found if len(one[1]) == most)
+        fields = [best.split(lines[at]) for at in rows]
+        delimiters = {signs.delimiter for signs, own in found if len(own) == most}
+        if "," in delimiters and (commas := [at for at in rows if "," in lines[at]]):
             read = [row if columns is None else [row[column] for column in columns] for row in fields]
             clear = self.decimal or any("." in field for row in read for field in row if best.is_number(field))
-            if hidden or (best.delimiter == "," and not clear):
+            if len(delimiters) > 1 or not clear:
                 problem = "has a comma of decimals, between columns or between thousands"
                 remedy = f"say decimal=',' for decimals, decimal='.' for columns of whole numbers, or {PANDAS}"
                 self._refuse(commas[0], problem, remedy)
-        return best, [best.split(lines[at]) for at in rows]
+        return best, fields
 
     def _find_block(self, filled: list[int]) -> list[int]:
         """Return the lines from the first row to the last, unless the arguments give them."""
@@ -215,64 +192,48 @@ class _Table:
 
     def _find_columns(self, given: list[int] | None) -> Sequence[int]:
         """Return the column of the heights, or the columns of positions and heights."""
-        if given is None and self.count > 2:
+        if self.count <= max(given or [0]) or (given is None and self.count > 2):
             remedy = (
                 "say columns=(0, 1) for positions and heights in the first two, columns=0 for heights in the first, "
                 f"or {PANDAS} if the sign is not between columns"
             )
             self._refuse(self.block[0], f"has {self.count} columns", remedy)
-        if given is not None and max(given) >= self.count:
-            raise ValueError(
-                f"columns must be numbers from 0 to {self.count - 1}, of {self.count} columns in line "
-                f"{self.block[0] + 1} of {self.path}, got {max(given)}"
-            )
-        named = [cell_quantity(cell) == POSITIONS for cell in self.cells]
+        named = [quantity == POSITIONS for quantity, _ in self.heading]
         return given or ((1, 0) if named == [False, True] else range(self.count))
 
-    def _texts(self) -> list[list[str]]:
-        """Return the fields of the rows in the columns that are read; ValueError if a row has other columns."""
-        above = map(self._cells, self.lines[: self.block[0]])
-        marks = {at for cells in above for at, cell in enumerate(cells) if VALIDITY.fullmatch(cell)}
-        texts = []
-        for at in self.block:
-            fields = self.signs.split(self.lines[at])
-            if not self.lines[at]:
-                self._refuse(at, "is empty", "write nan if a height is missing, or leave out the line")
-            elif len(fields) != self.width:
-                self._refuse(at, f"has {len(fields)} columns, and most others have {self.width}", OTHERWISE)
-            elif not SEPARATE_SIGNS.isdisjoint(fields):
-                sign = min(SEPARATE_SIGNS & {*fields})
-                problem = f"has {sign!r} in a column of its own, which may be the sign of a number"
-                self._refuse(at, problem, "write the sign in front of the number, and nan for a missing value")
-            elif fields[self.columns[-1]] not in MISSING and not all(VALID.fullmatch(fields[mark]) for mark in marks):
-                problem = "has a height that is not valid by the column of validity"
-                self._refuse(at, problem, "write nan for heights that are not valid, or leave out this column")
-            texts.append([fields[column] for column in self.columns])
-        return texts
-
-    def _values(self, texts: Sequence[Sequence[str]]) -> Array:
-        """Return the numbers in the texts of rows, shape (rows, columns), NaN for missing heights."""
-        values = [list(map(self.signs.value, row)) for row in texts]
-        for at, row, own in zip(self.block, texts, values, strict=True):
-            if None in own:
-                problem = f"has {shown(row[own.index(None)])} for a number"
-                self._refuse(at, problem, f"write nan for a missing height, {OTHERWISE}")
-        return np.array(values, float)
+    def _check_rows(self, rows: Sequence[Sequence[str]]) -> None:
+        """Refuse rows with other columns than most, without numbers, or with an entry that may alter its height."""
+        problem = f"does not have the number of columns of most others, {self.width}"
+        remedy = f"write nan if a height is missing, leave out an empty line, {OTHERWISE}"
+        self._refuse_first((len(row) != self.width for row in rows), problem, remedy)
+        for column in self.columns:
+            problem, remedy = f"has no number in column {column}", f"write nan for a missing height, {OTHERWISE}"
+            self._refuse_first((not self.signs.are_known([row[column]]) for row in rows), problem, remedy)
+        known = [row for row in rows if row[self.columns[-1]] not in MISSING]
+        for column in {*range(self.width)} - {*self.columns}:
+            entries = Counter(row[column] for row in known)
+            if 1 < len(entries) <= MAX_FLAGS or "-" in entries:
+                rare = entries.most_common()[-1][0]
+                problem = f"has an entry in column {column} that may be a sign, or mark heights that are not valid"
+                remedy = f"write signs in front of numbers, nan for what is not valid, or {PANDAS}"
+                self._refuse_first(
+                    (row[column] == rare and row[self.columns[-1]] not in MISSING for row in rows), problem, remedy
+                )
 
     def _check_neighbours(self) -> None:
         """Refuse a line above or below the table that may belong to it, unless `skip` or `rows` is given."""
-        single, (first, last) = len(self.columns) == 1, (self.block[0], self.block[-1])
-        above = next((at for at in range(first - 1, -1, -1) if self.lines[at] or single), None)
-        below = next((at for at in range(last + 1, len(self.lines)) if self.lines[at]), None)
-        belongs = self._lacks_height_heading if single else self._may_belong
-        if self.skip is None and above is not None and belongs(above):
-            problem = "stands above the numbers, and may be a heading or a missing height"
-            self._refuse(above, problem, f"say skip={first} for headings, or write nan for a missing height")
-        if self.rows is None and below is not None and (single or self._may_belong(below)):
-            problem = "stands below the numbers, and may be a remark or a missing height"
-            self._refuse(
-                below, problem, f"say rows={len(self.block)} for a remark, or write nan for a missing height"
-            )
+        single, first, last = len(self.columns) == 1, self.block[0], self.block[-1]
+        above = [at for at in range(first) if self.lines[at] or single][-1:] if self.skip is None else []
+        below = [at for at in range(last + 1, len(self.lines)) if self.lines[at]][:1] if self.rows is None else []
+        for at in above:
+            if self._lacks_height_heading(at) if single else self._may_belong(at):
+                problem = "stands above the numbers, and may be a heading or a missing height"
+                self._refuse(at, problem, f"say skip={first} for headings, or write nan for a missing height")
+        for at in below:
+            if single or self._may_belong(at):
+                problem = "stands below the numbers, and may be a remark or a missing height"
+                remedy = f"say rows={len(self.block)} for a remark, or write nan for a missing height"
+                self._refuse(at, problem, remedy)
 
     def _check_thousands(self, texts: Sequence[Sequence[str]]) -> None:
         """Refuse a sign that may precede decimals or separate thousands.
@@ -280,36 +241,37 @@ class _Table:
         All digits of a column are in groups of three, and some of its numbers lack the sign, or no other column
         shows that it precedes decimals.
         """
-        columns = list(zip(*texts, strict=True)) if not self.decimal else []
-        shown_by = [any(map(self._has_decimals, column)) for column in columns]
-        for column, clear in zip(columns, shown_by, strict=True):
-            grouped = [row for row, text in enumerate(column) if GROUPED_NUMBER.fullmatch(text)]
-            if grouped and not clear and (not any(shown_by) or any(map(DIGIT_GROUP.fullmatch, column))):
-                problem = f"has a sign of decimals or between thousands in {column[grouped[0]]!r}"
-                remedy = f"say decimal={self.signs.decimal!r} for decimals, or {PANDAS}"
-                self._refuse(self.block[grouped[0]], problem, remedy)
-
-    def _has_decimals(self, text: str) -> bool:
-        """Return whether a number has a sign that cannot separate thousands."""
-        return self.signs.is_number(text) and not GROUPED_NUMBER.fullmatch(text) and not DIGIT_GROUP.fullmatch(text)
+        if self.decimal:
+            return
+        sign = self.signs.decimal
+        columns = [[text for text in column if text not in MISSING] for column in zip(*texts, strict=True)]
+        clear = [not all(map(GROUPS_OF_THREE.fullmatch, column)) for column in columns]
+        for at, column in enumerate(columns):
+            if not clear[at] and not (any(clear) and all(sign in text for text in column)):
+                remedy = f"say decimal={sign!r} for decimals, or {PANDAS}"
+                self._refuse_first(
+                    (sign in row[at] for row in texts), "has a sign of decimals or between thousands", remedy
+                )
 
     def _check_ends(self, texts: Sequence[str], values: Array) -> None:
         """Refuse a number at an end of one column that may be a count, a step or a length in place of a height.
 
         It is about the number of rows, or has other decimals than the rows between the ends, which all have as many.
         """
-        rows = np.flatnonzero(~np.isnan(values)).tolist()
-        decimals = {row: len(texts[row].partition(self.signs.decimal)[2]) for row in rows}
-        usual = {decimals[row] for row in rows[END_ROWS:-1]}
-        first = rows[:END_ROWS] if self.skip is None else []
-        for row in [*first, *rows[-1:]] if self.rows is None else first:
-            count = min(abs(values[row] - number) for number in (len(rows), values.size))
-            is_count = values[row] >= MIN_HEIGHTS and count <= END_ROWS
+        decimals = [len(text.partition(self.signs.decimal)[2]) for text in texts]
+        known = np.flatnonzero(~np.isnan(values)).tolist()
+        usual = {decimals[row] for row in known[END_ROWS:-1]}
+        first = known[:END_ROWS] if self.skip is None else []
+        last = known[-1:] if self.rows is None else []
+        for row in (*first, *last):
+            is_count = (
+                values[row] >= MIN_HEIGHTS and np.abs(values[row] - (len(known), values.size)).min() <= END_ROWS
+            )
             if is_count or (len(usual) == 1 and decimals[row] not in usual):
-                above = f"skip={self.block[0]} if it is a height, or skip={self.block[row] + 1} to leave it out"
-                below = f"rows={values.size} if it is a height, or rows={row} to leave it out"
-                problem = f"may be a count, a step or a length at an end of {len(rows)} numbers"
-                self._refuse(self.block[row], problem, f"say {above if row in first else below}")
+                above = f"skip={self.block[0]} if it is a height, or skip={self.block[row] + 1}"
+                below = f"rows={values.size} if it is a height, or rows={row}"
+                problem = f"may be a count, a step or a length at an end of {len(known)} numbers"
+                self._refuse(self.block[row], problem, f"say {above if row in first else below} to leave it out")
 
     def _is_row(self, at: int) -> bool:
         """Return whether a line has numbers, or words for missing ones, in the columns of numbers."""
@@ -317,21 +279,41 @@ class _Table:
         return len(fields) == self.width and self.signs.is_row(fields, self.of_numbers)
 
     def _may_belong(self, at: int) -> bool:
-        """Return whether a line next to a table has a number, or the same word in all columns."""
+        """Return whether a line next to a table has a number, or in all columns the same word that is no unit."""
         words = self.signs.split(self.lines[at])
         fields = self.signs.split(self.lines[at].lstrip(PREFIXES))
-        return any(map(self.signs.is_number, fields)) or (len(words) >= self.width and len(set(words)) == 1)
+        alike = len(words) >= self.width and len(set(words)) == 1 and not self._heading(self.lines[at])[0][1]
+        return alike or any(map(self.signs.is_number, fields))
 
     def _lacks_height_heading(self, at: int) -> bool:
         """Return whether the cell of a line above the heights contains neither their name nor a unit."""
-        cell = self._cells(self.lines[at])[self.columns[0]]
-        return cell_quantity(cell) != HEIGHTS and not cell_unit(cell)
+        quantity, unit = self._heading(self.lines[at])[self.columns[0]]
+        return quantity != HEIGHTS and not unit
 
-    def _cells(self, heading: str) -> list[str]:
-        return heading_cells(heading.lstrip(PREFIXES), self.count, self.signs.delimiter)
+    def _heading(self, line: str) -> list[tuple[str, str]]:
+        return heading_of(line.lstrip(PREFIXES), self.count, self.signs.delimiter)
+
+    def _refuse_first(self, wrong: Iterable[Any], problem: str, remedy: str) -> None:
+        """Refuse the first row that is wrong."""
+        for at, is_wrong in zip(self.block, wrong, strict=True):
+            if is_wrong:
+                self._refuse(at, problem, remedy)
 
     def _refuse(self, at: int, problem: str, remedy: str) -> NoReturn:
         raise ValueError(f"{self.path}, line {at + 1}, {problem}, got {shown(self.lines[at])}: {remedy}")
+
+
+def _checked_columns(given: Any) -> list[int] | None:
+    """Return the numbers of the columns that are read; None leaves the choice to the table."""
+    if given is None:
+        return None
+    columns = [checked_count("columns", one, 0) for one in (given if isinstance(given, list | tuple) else [given])]
+    if not 1 <= len(set(columns)) == len(columns) <= 2:
+        raise ValueError(
+            "columns must be the number of the column of heights, from 0, or those of positions and heights, "
+            f"got {shown(given)}"
+        )
+    return columns
 
 
 def _text(path: Path) -> str:

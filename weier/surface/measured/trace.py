@@ -151,7 +151,7 @@ class Trace(Waves):
         checked_word("ends", ends, ENDS)
         detrend = _checked_detrend(detrend, ends)
         one = (heights if isinstance(heights, Line) else line_from_array(heights)).rising()
-        height_factor = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_units)]
+        height_factor = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_unit)]
         z = measured.with_gaps(one.heights, missing_value)
         length_units = {"unit": unit, "x_unit": x_unit}
         length, given = _length(one, length, length_units), z.size
@@ -162,7 +162,7 @@ class Trace(Waves):
             length = _decimal(length * z.size / given)
         measured.check_sentinels(z)
         z = z * height_factor
-        unit_of_call = known_unit("the length", length_units, (), required=False) or "m"
+        unit_of_call = known_unit("the length", length_units, required=False) or "m"
         shortest = _checked_shortest(shortest, length, z.size, unit_of_call)
         level = _checked_level(z, length / z.size, detrend, ends)
         period, waves, coefficient = _waves(level, ends, length, shortest)
@@ -295,8 +295,8 @@ class Trace(Waves):
         lines = [
             one._replace(
                 length=one.length if length is None else None,
-                x_units=() if x_unit else one.x_units,
-                height_units=() if height_unit else one.height_units,
+                x_unit="" if x_unit else one.x_unit,
+                height_unit="" if height_unit else one.height_unit,
             )
             for one in read_lines(checked_file(path), layout, line, across)
         ]
@@ -498,11 +498,11 @@ def _length(one: Line, length: float | None, given: Mapping[str, Any]) -> float:
         number = checked_number("length", length, "be positive and finite", lambda x: 0 < x < math.inf, units.METRE)
         length = number if scale == 1 else _decimal(scale * number)
     if one.positions is None and one.length is None:
-        known_unit("the length", given, one.x_units, required=False)
+        known_unit("the length", given, one.x_unit, required=False)
         if length is None:
             raise ValueError("length must be given where heights have no positions: in m, or in x_unit")
         return length
-    unit = UNITS[known_unit("positions", given, one.x_units)]
+    unit = UNITS[known_unit("positions", given, one.x_unit)]
     if one.positions is not None:
         return _decimal(unit * length_of_steps(one.positions, None if length is None else length / unit, one.place))
     own = _decimal(float(one.length or 0) * unit)
