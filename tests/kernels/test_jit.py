@@ -4,10 +4,13 @@ import re
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from tests.marks import compiled
 from weier.digests import KERNELS, PACKAGE
+from weier.kernels.jit import kernel
+from weier.methods.bem.active_set import dot
 
 PROGRAM = """
 from weier.kernels.jit import kernel
@@ -67,6 +70,22 @@ def test_compiling_is_no_part_of_the_seconds_of_a_solution(package):
     )
     first, second = map(float, run(package, program)[0].split()[1:])
     assert first == second > 0.01
+
+
+@kernel
+def dot_in_order(a, b):
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
+
+
+@compiled
+def test_sums_keep_their_order_unless_told_otherwise():
+    """In its order, 1e16 + 1 + ... + 1 - 1e16 loses each 1; a sum in several lanes keeps those of other lanes."""
+    values = np.array([1e16, *np.ones(998), -1e16])
+    assert dot_in_order(values, np.ones(1000)) == 0
+    assert dot(values, np.ones(1000)) > 100
 
 
 def test_kernels_are_made_of_the_folders_that_name_the_cache():

@@ -56,7 +56,7 @@ def test_compliance_and_resistance_are_their_sums_in_50_digits(seed, terms):
 
 
 def test_they_are_their_sums_at_the_ends_of_all_ranges():
-    for case in filter(in_reach, CORNERS):
+    for case in [*filter(in_reach, CORNERS), (0.1, 1.99, 2.0, 400)]:  # most terms of the last one are a geometric sum
         assert_sums(case)
 
 

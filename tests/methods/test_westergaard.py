@@ -1,11 +1,20 @@
 """One wave: the closed forms agree with each other, with mpmath and with what a contact must obey."""
 
+import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
 from tests import westergaard as fields
 from weier.methods import westergaard
+
+
+@pytest.mark.parametrize("xi", [1e-300, 1e-12, 1e-3, 0.5, 0.9, 1 - 1e-12])
+def test_compliance_and_resistance_have_all_digits(xi):
+    with mp.workdps(40):
+        log = mp.log(mp.mpf(xi))
+        h, R = float(xi * (1 - log)), float(-log)
+    assert (westergaard.compliance(xi), westergaard.resistance(xi)) == pytest.approx((h, R), rel=1e-15, abs=0)
 
 
 def test_full_contact_has_the_amplitude_and_no_resistance():

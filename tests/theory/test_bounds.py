@@ -8,7 +8,7 @@ from tests.reference import REFERENCES
 from weier import Profile
 from weier.methods import patches, westergaard
 from weier.surface.series import amplitude, tail_amplitude
-from weier.theory.bounds import complete_bounds, infinite_series_bounds, resistance_bounds
+from weier.theory.bounds import complete_bounds, first_contact, infinite_series_bounds, resistance_bounds
 
 D, GAMMA = 1.25, 5
 
@@ -78,11 +78,19 @@ def tangent_lines(p, G):
 def test_fine_tables_reach_the_tangent_lines(G):
     p = np.linspace(1e-4, 3, 3000)
     lower, upper = resistance_bounds(p, westergaard.compliance(p), G, first_contact=0.0)
+    assert upper[0] == pytest.approx((westergaard.compliance(p[0]) + 2 * G) / p[0], rel=1e-15)  # from first contact
     for i in range(20, 1500, 61):
         flattest, steepest = tangent_lines(p[i], G)
         # Bounds from a table are looser, never tighter; the best chord is stationary, so by a squared spacing.
         assert flattest - 1e-2 * flattest <= lower[i] <= flattest + 1e-9
         assert steepest - 1e-9 <= upper[i] <= steepest * (1 + 1e-2)
+
+
+def test_first_contact_is_where_the_highest_crest_touches():
+    profile = Profile(D, GAMMA, 3, (0.0, 1.0, 2.0))
+    touching = profile.total_amplitude - profile.sampled_height(10**6).max()
+    assert touching > 0.05
+    assert first_contact(profile) == pytest.approx(touching, abs=1e-8)
 
 
 def test_cases_are_bounded_as_if_alone_and_loads_come_in_any_order():

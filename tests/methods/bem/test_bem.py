@@ -87,6 +87,14 @@ def test_the_solution_of_one_wave_is_westergaards():
     assert np.median(error) <= 1e-4
 
 
+def test_there_is_space_for_contact_at_every_other_node():
+    solver = active_set.NestedSolver(Profile(1.9, 10, 2), 21, 1e-10)
+    contact = solver.solve_discrete(2.3, False).contact
+    edges = np.count_nonzero(contact != np.roll(contact, 1))
+    assert edges == 20
+    assert solver._states[-1].edge.size >= edges + 2
+
+
 @pytest.mark.parametrize("points", [51, 64])
 def test_any_number_of_points_above_two_a_wave_will_do(points):
     loads = np.geomspace(1e-3, 5, 12)

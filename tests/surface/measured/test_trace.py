@@ -1,6 +1,7 @@
 """A trace: its waves against the heights they come from, its units, and what it refuses."""
 
 import pickle
+from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pandas as pd
@@ -138,6 +139,8 @@ def test_what_is_done_to_its_waves_or_its_heights_does_not_reach_a_trace():
     trace.amplitude[:] = 0
     trace.phase[0] += 1
     trace.waves_per_period.append(7)
+    with pytest.raises(FrozenInstanceError):
+        trace.shortest = 1e-4
     assert trace.height(0.3) == before
     assert len(trace.waves_per_period) == trace.m
     assert pickle.loads(pickle.dumps(trace)).height(0.3) == before
