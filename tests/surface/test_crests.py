@@ -4,6 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from scipy.linalg import null_space
+from scipy.special import comb
 
 from weier import Profile
 from weier.surface.crests import (
@@ -81,6 +82,16 @@ def test_the_highest_crest_is_exact_where_it_is_flat():
         assert z == pytest.approx(height, rel=0, abs=8 * EPS * np.abs(amplitude).sum())
         seen += 1
     assert seen > 30
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 6, 12, 40])
+def test_the_highest_crest_of_a_plateau(n):
+    """1 - sin^2n(x/2), of n waves, which is flat to rounding about its crest, in up to an eighth of the period."""
+    waves = np.arange(1, n + 1)
+    amplitude, phase = -((-1.0) ** waves) * 2.0 ** (1 - 2 * n) * comb(2 * n, n - waves), 0.3 * waves
+    x, z = highest_crest(amplitude, waves.tolist(), phase, 1)
+    assert z == pytest.approx(amplitude.sum(), rel=0, abs=4 * EPS * np.abs(amplitude).sum())
+    assert amplitude @ np.cos(2 * np.pi * waves * x + phase) == pytest.approx(z, rel=0, abs=4 * EPS)
 
 
 @pytest.mark.parametrize(("gamma", "m"), [(np.pi, 4), (2.5, 300), (2, 40), (1000, 6)])

@@ -33,6 +33,7 @@ SUBDIVISIONS = 31
 MIN_SEPARATION = 1e-5  # distance of crests, in finest waves; closer crests are equal to rounding
 # middles of nine parts of an interval of length 1, with its own middle first: equal heights leave a crest at a node
 PARTS = np.array(sorted(range(-4, 5), key=abs)) / 9
+MAX_CURVATURE = DEGREE * (DEGREE - 1) / 2 ** (DEGREE - 2)  # factors of |c_j| in a bound for |t| <= 1/2
 MAX_SAMPLED_WAVES = 10**6  # finest waves whose samples take 128 MB
 
 Expansions = NDArray[np.float64]  # of which each row has the coefficients of t^0, t^1, ..., shape (rows, ORDER + 1)
@@ -54,12 +55,17 @@ def expand(amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> E
     By `irfft`, a wave of k_n in N nodes has the spectrum N/2 a_n exp(i phi_n) at k_n.
     """
     nodes, waves = count_nodes(waves_per_period[-1]), np.array(waves_per_period)
-    factor = np.empty((waves.size, ORDER + 1), complex)  # a (i theta)^j/j!
+    spectrum = np.zeros((nodes // 2 + 1, ORDER + 1), complex)
+    spectrum[waves] = 0.5 * nodes * np.exp(1j * phase)[:, None] * _wave_coefficients(amplitude, waves, nodes)
+    return np.asarray(np.fft.irfft(spectrum, nodes, axis=0))
+
+
+def _wave_coefficients(amplitude: Array, waves: Indices, nodes: int) -> NDArray[np.complex128]:
+    """Return the coefficients a (i theta)^j/j! of each wave, shape (terms, ORDER + 1)."""
+    factor = np.empty((waves.size, ORDER + 1), complex)
     factor[:, 0] = amplitude
     factor[:, 1:] = (2j * np.pi / nodes) * waves[:, None] / DEGREE[1:]
-    spectrum = np.zeros((nodes // 2 + 1, ORDER + 1), complex)
-    spectrum[waves] = 0.5 * nodes * np.exp(1j * phase)[:, None] * np.multiply.accumulate(factor, axis=1)
-    return np.asarray(np.fft.irfft(spectrum, nodes, axis=0))
+    return np.asarray(np.multiply.accumulate(factor, axis=1))
 
 
 def derivatives(expansion: Expansions, t: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -184,9 +190,9 @@ def highest_crest(
 ) -> tuple[float, float]:
     """Return position and height of the highest point of a series, by branch and bound.
 
-    A crest within w of a point is higher by at most w^2/2 times the largest curvature. Parts of the period that may
-    contain the highest crest are subdivided until this is rounding. ValueError is raised if the first samples would
-    not fit into memory.
+    A crest within w of a point is higher by at most w^2/2 times the largest curvature there, by which samples are
+    chosen, and then parts of the step about each of them, as long as these may be higher than the highest point so
+    far. On a plateau the curvature is rounding. ValueError is raised if the samples would not fit into memory.
     """
     if waves_per_period[-1] > MAX_SAMPLED_WAVES:
         raise ValueError(
@@ -203,22 +209,26 @@ def highest_crest(
         spectrum[waves] *= angle**2
         curvature = float(np.abs(np.fft.irfft(spectrum, points)).max() / np.cos(np.pi / SAMPLES_PER_WAVE))
     (node,) = (z >= z.max() - curvature * half_width**2 / 2 - rounding).nonzero()
-    theta, t = phase_angle(waves, node[:, None], points) + phase, np.zeros(node.size)
-    while curvature * half_width**2 / 2 > rounding:
-        part_of = t[:, None] + 2 * half_width * PARTS
-        half_width /= PARTS.size
-        z = np.cos(theta[:, None] + part_of[..., None] * angle) @ amplitude
-        row, part = (z >= z.max() - curvature * half_width**2 / 2 - rounding).nonzero()
-        node, theta, t, z = node[row], theta[row], part_of[row, part], z[row, part]
-    highest = np.argmax(z)
-    node, theta, t = node[highest], theta[highest], t[highest]
-    at, height = theta + t * angle, z[highest]
+    theta = phase_angle(waves, node[:, None], points) + phase
+    expansion = (np.exp(1j * theta) @ _wave_coefficients(amplitude, waves, points)).real
+    largest = np.abs(expansion) @ MAX_CURVATURE  # a bound of |z''| on the step about each node
+    row, t, z, best = np.arange(node.size), np.zeros(node.size), z[node], (-np.inf, 0, 0.0)
+    while row.size > 0:
+        highest = z.argmax()
+        best = max(best, (z[highest], row[highest], t[highest]), key=lambda point: point[0])
+        (kept,) = (z + largest[row] * half_width**2 / 2 > best[0] + rounding).nonzero()
+        row, part = row[kept], t[kept, None] + 2 * half_width * PARTS
+        z = (np.cos(theta[row, None] + part[..., None] * angle) @ amplitude).ravel()
+        row, t, half_width = np.repeat(row, PARTS.size), part.ravel(), half_width / PARTS.size
+    height, highest, offset = best
+    theta = theta[highest]
+    at = theta + offset * angle
     if (downward := np.cos(at) @ (amplitude * angle**2)) > rounding:  # Newton's step for the position
-        newton = t - np.sin(at) @ (amplitude * angle) / downward
+        newton = offset - np.sin(at) @ (amplitude * angle) / downward
         stepped = np.cos(theta + newton * angle) @ amplitude
-        if stepped >= height - rounding:  # A flat crest, where both derivatives are rounding, may be left by the step.
-            t, height = newton, stepped
-    return float((node + t) % points * (period / points)), float(height)
+        if stepped >= height - rounding:  # It may leave a flat crest, where both derivatives are rounding.
+            offset, height = newton, stepped
+    return float((node[highest] + offset) % points * (period / points)), float(height)
 
 
 def crest_heights(
