@@ -83,8 +83,8 @@ def _same(new: Any, old: Any) -> bool:
     if new is None or old is None or new.dtype.kind == "U":
         return np.array_equal(new, old)
     shape = np.maximum(new.shape, old.shape)
-    padded = (np.pad(one, [(0, more) for more in shape - one.shape], constant_values=np.nan) for one in (new, old))
-    return np.array_equal(*padded, equal_nan=True)
+    new, old = (np.pad(one, [(0, more) for more in shape - one.shape], constant_values=np.nan) for one in (new, old))
+    return np.array_equal(new, old, equal_nan=True)
 
 
 def _within(values: list[Any], errors: list[Any]) -> bool:
