@@ -115,7 +115,7 @@ OWN = {
 WANTED = {"find_load": {"resistance": 1.0}, "Interface.find_pressure": {"resistance": 1e-10}}
 
 
-INNER = ("loads_of", "warn_of_yield", "scales_of")  # which get loads and data that others have checked
+INNER = ("loads_of", "warn_of_yield", "scales")  # which get loads and data that others have checked
 
 
 def functions():

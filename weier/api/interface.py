@@ -162,4 +162,4 @@ class Interface(Bodies):
         """
         own, (name, value) = self.at(surface), wanted_quantity(resistance, compliance, contact_fraction)
         normalised = to_normalised(own, name, VARIABLES[name].unit, value)
-        return own.in_si(loads_for(surface, name, normalised, own.scales))
+        return own.in_si(loads_for(surface, name, normalised, own.scales()))

@@ -84,7 +84,7 @@ class SolutionFile:
 
         Curves in SI units between perfect conductors are left out, since R = 0 cannot be converted back.
         """
-        scales = {} if self.bodies is None else {name: float(one) for name, (one, _) in self.bodies.scales.items()}
+        scales = {} if self.bodies is None else {name: float(one) for name, (one, _) in self.bodies.scales().items()}
         found = dict[str, Known]()
         for method in data["solution_method"].values.tolist() if all(scales.values()) else ():
             run, values = data.sel(solution_method=method), dict[str, Any]()

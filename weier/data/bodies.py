@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
 from inspect import signature
 from typing import TYPE_CHECKING, Any, Self, cast
@@ -152,7 +152,7 @@ class Bodies:
     @property
     def full_contact_pressure(self) -> float:
         """p_0* = 2 pi M g_0/lambda_0, in Pa (7): the unit of normalised pressures."""
-        return float(self.scales["p_0*"][0])
+        return float(self.scales()["p_0*"][0])
 
     def at(self, surface: Any) -> Bodies:
         """Return both bodies with lambda_0 and g_0 of a trace, or with those given here for a series.
@@ -160,7 +160,7 @@ class Bodies:
         The surface is a Profile, a Trace or a Dataset of one curve; ValueError is raised without a scale of a series.
         """
         lambda_0, g_0 = self._scale_of(surface)
-        if _varies((lambda_0, g_0)):
+        if lambda_0.ndim:
             raise ValueError("surface must be one, got curves of traces of several lengths or heights")
         with warnings.catch_warnings():  # the constructor has already given them
             warnings.simplefilter("ignore")
@@ -215,11 +215,10 @@ class Bodies:
         2.142e+07 Pa ohm m^2
         """
         check_normalised(data)
-        scale = self._scale_of(data)
-        own = self.given
-        if not _varies(scale):
-            own |= {name: float(value) for name, value in zip(TRACE_SCALE, scale, strict=True)}
-        found = converted(data, self._scales(*scale)).assign_attrs(own)
+        scales, own = self.scales(data), self.given
+        if not scales["g_0"][0].ndim:
+            own |= {name: float(scales[name][0]) for name in TRACE_SCALE}
+        found = converted(data, scales).assign_attrs(own)
         self.warn_of_yield(found)
         return found
 
@@ -255,9 +254,8 @@ class Bodies:
         if not hasattr(surface, "data_vars"):
             own = hasattr(checked_surface(surface, "surface"), "g_0")
             return (np.asarray(surface.lambda_0), np.asarray(surface.g_0)) if own else self._scale()
-        D, length, height = (
-            np.asarray(surface.variables.get(name, math.nan), float) for name in ("D", *TRACE_SCALE.values())
-        )
+        known = (np.asarray(surface.variables.get(name, math.nan), float) for name in ("D", *TRACE_SCALE.values()))
+        D, length, height = np.broadcast_arrays(*known)
         is_trace = np.isfinite(length) & np.isfinite(height)
         if (np.isnan(D) & ~is_trace).any():
             raise ValueError(
@@ -267,7 +265,8 @@ class Bodies:
         if not is_trace.all():
             lambda_0, g_0 = self._scale()
             length, height = np.where(is_trace, length, lambda_0), np.where(is_trace, height, g_0)
-        return (length, height) if _varies((length, height)) else (length.flat[0], height.flat[0])
+        # one scale if the cases do not differ
+        return (length, height) if np.ptp(length) or np.ptp(height) else (length.ravel()[0], height.ravel()[0])
 
     def _scale(self) -> tuple[Array, Array]:
         if self.lambda_0 is None or self.g_0 is None:
@@ -276,17 +275,12 @@ class Bodies:
             )
         return np.asarray(self.lambda_0), np.asarray(self.g_0)
 
-    @property
-    def scales(self) -> dict[str, tuple[Array, str]]:
-        """The value and the SI name of each normalised unit."""
-        return self._scales(*self._scale())
+    def scales(self, surface: Any = None) -> dict[str, tuple[Array, str]]:
+        """Return the value and the SI name of each normalised unit; one value per case for curves of several traces.
 
-    def scales_of(self, data: xr.Dataset) -> dict[str, tuple[Array, str]]:
-        """Return the value and the SI name of each normalised unit of curves, for all cases or per case."""
-        return self._scales(*self._scale_of(data))
-
-    def _scales(self, lambda_0: Array, g_0: Array) -> dict[str, tuple[Array, str]]:
-        """Return the SI value of each normalised unit for given lambda_0 and g_0."""
+        The surface is a Profile, a Trace or a Dataset; without one, lambda_0 and g_0 are those given here.
+        """
+        lambda_0, g_0 = self._scale() if surface is None else self._scale_of(surface)
         p = full_contact_pressure(self.composite_modulus, lambda_0, g_0)
         slope = specific_resistance(g_0 / p, self.composite_modulus, *self.resistivities)
         values = {"lambda_0": lambda_0, "g_0": g_0, "p_0*": p, "g_0/p_0*": slope}
@@ -300,7 +294,7 @@ class Bodies:
         numbers = checked_numbers("normalised", normalised, unit=unit)
         if hasattr(normalised, "to_dataset"):  # a curve of a trace has a scale of its own
             raise ValueError(f"normalised must be numbers, got a DataArray: {CONVERT_DATASET}")
-        return scaled(numbers, self.scales[unit][0])
+        return scaled(numbers, self.scales()[unit][0])
 
 
 def _unit(name: str) -> str:
@@ -309,12 +303,7 @@ def _unit(name: str) -> str:
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
     """Convert values of a quantity from SI to normalised units; ValueError for a resistance that is always 0."""
-    factor, si = bodies.scales.get(unit, (np.array(1.0), units.NONE))
+    factor, si = bodies.scales().get(unit, (np.array(1.0), units.NONE))
     if factor == 0:
         raise ValueError("resistance must be between bodies with a resistivity, got two perfect conductors")
     return np.asarray(checked_numbers(name, values, unit=si) / factor)
-
-
-def _varies(scale: Iterable[Array]) -> bool:
-    """Return whether cases differ in scale."""
-    return any(np.ptp(values) > 0 for values in scale)

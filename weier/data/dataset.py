@@ -23,7 +23,7 @@ from weier.data import provenance, variables
 from weier.data.files import replacing
 from weier.data.selection import NEEDED, as_cases, name_cases
 from weier.data.si import marked
-from weier.data.variables import COORDINATES, RUN, VARIABLES
+from weier.data.variables import COORDINATES, LOADS, RUN, VARIABLES
 from weier.kernels.arrays import Array
 from weier.units import NORMALISED_PRESSURE
 
@@ -40,23 +40,19 @@ def curve(
 
     Scalars among the values become attributes, and so do the settings: each by itself, and all of them as JSON.
     """
-    arrays = {name: value for name, value in values.items() if np.ndim(value) > 0}
     scalars = {name: value for name, value in values.items() if np.ndim(value) == 0}
-    data: dict[str, Any] = {
-        name: (_over_loads(name), value, variables.attributes(name)) for name, value in arrays.items()
+    terms = np.arange(len(labels["phases"]), dtype="i4")
+    arrays = {**values, **labels, "term": terms, LOADS: loads}
+    data = {
+        name: (tuple(dim for dim in VARIABLES[name].dims if dim not in RUN), value, variables.attributes(name))
+        for name, value in arrays.items()
+        if name not in scalars
     }
-    coordinates: dict[str, Any] = {
-        name: (("term",) * np.ndim(value), value, variables.attributes(name)) for name, value in labels.items()
-    }
-    coordinates["term"] = ("term", np.arange(len(labels["phases"]), dtype="i4"), variables.attributes("term"))
-    coordinates["mean_pressure"] = ("mean_pressure", loads, variables.attributes("mean_pressure"))
+    attributes = provenance.result_attributes() | {**settings, **scalars}
     # netCDF has no booleans.
-    plain = {
-        name: json.dumps(value) if isinstance(value, bool) else value
-        for name, value in {**settings, **scalars}.items()
-    }
-    plain["settings"] = json.dumps(dict(settings), sort_keys=True)
-    return marked(xr.Dataset(data, coordinates, provenance.result_attributes() | plain))
+    attributes |= {name: json.dumps(value) for name, value in attributes.items() if isinstance(value, bool)}
+    attributes["settings"] = json.dumps(dict(settings), sort_keys=True)
+    return marked(xr.Dataset(data, attrs=attributes).set_coords([*labels]))
 
 
 def blank(
@@ -140,18 +136,14 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     """Return a netCDF file of weier, opened lazily: its values are read on access."""
     checked_file(path)
     try:
-        parts = xr.open_groups(path, engine="netcdf4", cache=False)
+        tree = xr.open_datatree(path, engine="netcdf4", cache=False)
     except (PermissionError, TimeoutError):  # the file may be whole; the other is a time limit
         raise
     except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # attributes raise too
         raise _unreadable(path, error) from None
-
-    def close() -> None:
-        for part in parts.values():
-            part.close()
-
-    data = xr.merge([*parts.values()], join="exact", compat="override", combine_attrs="override")
-    data.set_close(close)
+    groups = [group.to_dataset(inherit=False) for group in tree.subtree]
+    data = xr.merge(groups, join="exact", compat="override", combine_attrs="override")
+    data.set_close(tree.close)
     if "key" not in data.variables and data.attrs.get("program") != provenance.FIXED["program"]:
         data.close()
         raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
@@ -194,17 +186,9 @@ def open_dataset(path: str | Path) -> xr.Dataset:
     data = open_lazily(path)
     if not set(NEEDED) <= data.variables.keys():  # the file has no curves
         return data
-    try:
-        named = name_cases(as_cases(data))
-    except BaseException:
-        data.close()
-        raise
+    named = name_cases(as_cases(data))
     named.set_close(data.close)  # The derived dataset would not close the file.
     return named
-
-
-def _over_loads(name: str) -> tuple[str, ...]:
-    return tuple(dim for dim in VARIABLES[name].dims if dim not in RUN)
 
 
 def _unreadable(path: str | Path, error: Exception) -> ValueError:

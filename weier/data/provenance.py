@@ -17,10 +17,6 @@ NORMALISED = (
     "Lengths along x are in lambda_0, heights, gaps and compliance in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, "
     "and resistance, dh/dp, in g_0/p_0*."
 )
-IN_SI = (
-    "Values are in the units of their attributes, for the two bodies whose moduli, Poisson's ratios and "
-    "resistivities or thermal conductivities are attributes."
-)
 PAPER = (
     "M. Ciavarella, G. Murolo, G. Demelio, J. R. Barber, Elastic contact stiffness and contact resistance for the "
     "Weierstrass profile, J. Mech. Phys. Solids 52 (2004) 1247-1265, doi:10.1016/j.jmps.2003.12.002"
@@ -31,6 +27,8 @@ VERSION = "0.1.0"
 # The attributes that all files have in common.
 FIXED = {
     "Conventions": "CF-1.11, ACDD-1.3",
+    "comment": "The units of values are in their attributes: `normalised_by` may name one where `units` is 1. Values "
+    "in SI units are for the two bodies whose moduli and resistivities or conductivities are attributes.",
     "summary": "Elastic compliance and electrical contact resistance against mean pressure of Weierstrass or "
     "measured profiles pressed on a plane: closed-form estimates, numerical solutions, and bounds, by method.",
     "keywords": "contact mechanics, contact resistance, contact stiffness, rough surface, Weierstrass profile",
@@ -54,7 +52,6 @@ def attributes(title: str, step: str, scene: str = "", in_si: bool = False) -> d
         "source": f"numerical model: {origin()}",
         "history": f"{step} by weier {VERSION}",
         "processing_level": step,
-        "comment": IN_SI if in_si else NORMALISED,
         "git_commit": commit() or "unknown: not run from a checkout",
         "date_created": date,
         "date_modified": date,

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 # Normalised units of the scalars that `weier.fields` returns as attributes.
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
 LOCATED = (LOADS, "x")  # coordinates in normalised units
-BODIES = ("mu_1", "mu_2", "nu_1", "nu_2")  # attributes of a Dataset in SI units
 CONVERT_DATASET = "convert the whole Dataset first, as in in_si(curve).resistance"
 
 
@@ -75,23 +74,18 @@ def check_normalised(data: Any) -> None:
     """Refuse anything but a Dataset in normalised units whose variables are not results of arithmetic."""
     if not hasattr(data, "data_vars"):
         raise ValueError(f"data must be a Dataset of weier, got {shown(data)}: {CONVERT_DATASET}")
-    if known := {*BODIES} & data.attrs.keys():
-        raise ValueError(f"data must be normalised, got a Dataset with {min(known)}: it is in SI units already")
     normalised = {name for name, variable in data.variables.items() if units.unit_of(variable) in units.NORMALISED}
     for name, variable in data.variables.items():
         quantity = name in data.data_vars or name in LOCATED
-        # Arithmetic drops attributes in which its operands differ, such as `long_name`.
-        computed = variable.attrs.get("units") == units.NONE and "long_name" not in variable.attrs
-        if quantity and variable.dtype.kind == "f" and (computed or not units.unit_of(variable)):
+        # Arithmetic drops attributes in which its operands differ, such as `long_name`, and keeps others.
+        described, unit = "long_name" in variable.attrs, units.unit_of(variable)
+        lost = not unit or (variable.attrs.get("units") == units.NONE and not described)
+        changed = name in normalised and described and not variable.encoding
+        if changed or (lost and quantity and variable.dtype.kind == "f"):
             raise ValueError(
-                f"{name} has lost its unit, as by a mean or a ratio: give it again by "
+                f"{name} must be as weier returned it, got values that arithmetic may have changed: convert the "
+                "whole Dataset first and compute with its SI units, or state the unit by "
                 f'data["{name}"].attrs = {{"normalised_by": "g_0"}}, or "1" for a plain number'
-            )
-        if name in normalised and "long_name" in variable.attrs and not variable.encoding:
-            raise ValueError(
-                f"{name} must be as weier returned it, got values that arithmetic may have changed, since it keeps "
-                f"attributes: convert the whole Dataset first and compute with its SI units, or state the unit by "
-                f'data["{name}"].attrs = {{"normalised_by": "{units.unit_of(variable)}"}}, or "1" for a plain number'
             )
     if not normalised:
         raise ValueError("data must be normalised, got no quantity in units such as p_0*: is it in SI units already?")

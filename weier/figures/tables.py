@@ -58,7 +58,7 @@ class Values:
         self.loads: Array = study["mean_pressure"].values
         pressure = height = resistance = np.ones((1, 1, 1))
         if interface:
-            scales = interface.scales_of(study)
+            scales = interface.scales(study)
             pressure, height, resistance = (np.reshape(scales[unit][0], (-1, 1, 1)) for unit in UNITS)
             pressure = pressure / units.factor("loads", units.unit_of(study["mean_pressure"]), units.PASCAL)
 
