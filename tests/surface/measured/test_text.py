@@ -182,9 +182,23 @@ def test_a_minus_apart_from_all_heights_is_not_lost(file):
     text = "".join(f"{x:.4f};-;{z + 2:.6f}\n" for x, z in zip(X, Z, strict=True))
     with pytest.raises(ValueError, match="line 1, has an entry in column 1 that may be a sign"):
         Trace.read(file(text), columns=(0, 2), **UNITS)
-    for entries in (("ok",), "abcd"):  # the same everywhere, or too many to be marks
-        rows = (f"{x:.4f};{entries[n % len(entries)]};{z:.6f}\n" for n, (x, z) in enumerate(zip(X, Z, strict=True)))
+
+
+@pytest.mark.parametrize(("entries", "may_be_marks"), [("a", False), ("ab", True), ("abc", True), ("abcd", False)])
+def test_two_or_three_entries_of_a_column_may_be_marks(file, entries, may_be_marks):
+    rows = [f"{x:.4f};{entries[n % len(entries)]};{z:.6f}\n" for n, (x, z) in enumerate(zip(X, Z, strict=True))]
+    if may_be_marks:
+        with pytest.raises(
+            ValueError, match=r"line \d, has an entry in column 1 that may be a sign, or mark heights"
+        ):
+            Trace.read(file("".join(rows)), columns=(0, 2), **UNITS)
+    else:
         assert_right(Trace.read(file("".join(rows)), columns=(0, 2), **UNITS))
+
+
+def test_a_column_behind_the_last_one_is_refused(file):
+    with pytest.raises(ValueError, match=r"line 2, has 2 columns, .* say columns=\(0, 1\)"):
+        Trace.read(file(columns(";", end=";")), columns=(0, 2), **UNITS)
 
 
 def test_a_number_that_only_one_column_has_is_no_height(file):

@@ -78,7 +78,8 @@ class _Signs(NamedTuple):
     def split(self, line: str) -> list[str]:
         """Return the fields of a line, without blanks and quotes around them; none of an empty line."""
         fields = line.split(None if self.delimiter == BLANK else self.delimiter) if line else []
-        return [QUOTED.sub(r"\1", field.strip(" \t")) for field in fields]
+        fields = [field.strip(" \t") for field in fields]
+        return [QUOTED.sub(r"\1", field) for field in fields] if '"' in line else fields
 
     def is_number(self, field: str) -> bool:
         return self.number.fullmatch(field) is not None
