@@ -158,13 +158,12 @@ rule data:
         "rules/environment.yaml"
     params:
         product=DATA,
-        folder="results/{scene}",
     message:
         "{wildcards.scene}: {params.product}"
     shell:
         "test -d {input.folder:q}/{params.product} || {{ echo 'weier: {params.product} was not made, for the reason in"
         " results/logs/{wildcards.scene}/make'; exit 1; }};"
-        " cp {input.folder:q}/{params.product}/*/* {params.folder} 2>&1 | tee {log:q}"
+        " cp {input.folder:q}/{params.product}/*/* $(dirname {output[0]:q}) 2>&1 | tee {log:q}"
 
 
 use rule data as figure with:
@@ -185,7 +184,6 @@ use rule data as figure with:
         "results/logs/{scene}/figures/{figure}.log",
     params:
         product="{figure}",
-        folder="results/{scene}/figures",
 
 
 use rule data as page with:
