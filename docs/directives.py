@@ -4,6 +4,7 @@ import os
 import re
 from pathlib import Path
 
+import scene_keys
 from cycler import cycler
 from docutils import nodes
 from matplotlib import rc_params_from_file
@@ -17,7 +18,6 @@ from weier.data.variables import VARIABLES
 from weier.figures import KINDS, caption, style
 from weier.methods.registry import METHODS, PLOTTED
 from weier.methods.settings import described
-from weier.scene import __main__ as keys
 
 ROOT = Path(__file__).resolve().parents[1]
 MAX_WORD = 24  # letters of a word that a cell of a table holds in one line
@@ -68,7 +68,7 @@ class SceneKeys(SphinxDirective):
     def run(self):
         """A table for each."""
         made = []
-        for title, table in keys.tables():
+        for title, table in scene_keys.tables():
             made += [nodes.rubric("", f"Keys of {title}"), *self.parse_text_to_nodes(table)]
         return made
 

@@ -87,7 +87,7 @@ def test_lines_have_their_own_scale_under_pressures_in_si_units(tmp_path):
     [
         ({"hurst": 1.5}, r"random: hurst must lie in \(0, 1\), got 1.5$"),
         ({"rms_slope": 0.1}, "random: one of rms_height and rms_slope must be given, got both or neither$"),
-        ({"roll_off": 1e-4}, r"random.roll_off: Extra inputs are not permitted: did you mean 'rolloff'\?"),
+        ({"roll_off": 1e-4}, r"random.roll_off: Extra inputs are not permitted$"),
     ],
 )
 def test_a_mistake_is_one_sentence_with_its_line(tmp_path, changes, says):

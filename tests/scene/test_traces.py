@@ -219,7 +219,7 @@ def mine(methods=("bem",), **options):
     ("changes", "message"),
     [
         (mine(file="scene.yaml"), r"studies\.mine\.trace\.file: .*line \d+, "),
-        (mine(missing=5), r"studies\.mine\.trace\.missing: .*did you mean 'max_gap'\?"),
+        (mine(missing=5), r"studies\.mine\.trace\.missing: Extra inputs are not permitted$"),
         (mine(["demelio"]), r'studies\.mine: method "demelio" is for the Weierstrass series, .*weier\.fit'),
         (
             {"figures": {"f": {"draw": "compliance", "studies": ["mine", "series"], "colour": "method"}}},

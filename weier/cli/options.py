@@ -9,14 +9,14 @@ from typing import Any
 import click
 
 from weier import units
-from weier.checks import checked_numbers, checked_workers
+from weier.checks import checked_numbers
 from weier.data.files import check_target
 from weier.kernels.arrays import Array
 from weier.methods.method import TOLERANCES
 from weier.methods.registry import EXACT, METHODS, PLOTTED, WITHIN_TOLERANCE, infinite_names, names
 from weier.methods.settings import described
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
-from weier.scene.yaml import number_or_word, parse_yaml
+from weier.scene.yaml import parse_yaml
 from weier.surface.loads import positive_loads
 
 Pressures = tuple[Array, str]  # values in Pa, and the unit given first, or empty
@@ -128,11 +128,9 @@ SERIES_OPTIONS = (
 def _trace_option(name: str, key: TraceKey) -> click.Option:
     """Return the option of a key of measured heights; several values are separated by commas."""
     kind: Any = click.Choice(key.kind) if isinstance(key.kind, tuple) else {int: COUNT}.get(key.kind, key.kind)
-    several = key.several and key.kind is not float
+    several = key.several and name != "shortest"  # several of these are cases of a scene
     if several:
-        one: Callable[[str], Any] = number_or_word if key.kind is object else key.kind
-        what = "whole numbers" if key.kind is int else "values"
-        kind = Text(lambda text: _parts(text, one, what))
+        kind = Text(lambda text: _parts(text, key.kind, "whole numbers" if key.kind is int else "numbers"))
     words = f"{key.says} Several are separated by commas." if several else key.says.partition(" Several")[0]
     return click.Option([f"--{name.replace('_', '-')}"], type=kind, help=words)
 
@@ -145,7 +143,7 @@ TOLERANCE_OPTION = click.Option(
 )
 WORKERS_OPTION = click.Option(
     ["--workers"],
-    type=Text(lambda text: checked_workers(number_or_word(text))),
+    type=int,
     default=1,
     show_default=True,
     help="Number of processes for several curves; -1 for one per core.",

@@ -54,7 +54,7 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
         scene = _scene(keys, text, path)
         mistakes = [*_wrong_names(keys), *chain.from_iterable(check(scene) for check in checks)]
     except ValidationError as error:
-        mistakes = [*mistakes_of(error, document.values)]
+        mistakes = [*mistakes_of(error)]
     except Mistake as mistake:
         mistakes = [mistake]
     if mistakes:

@@ -1,6 +1,6 @@
 """The keys of scene files as models: types, limits and descriptions.
 
-The tables of keys follow from them: a new key is one field here, and `python -m weier.scene` writes the table of
+The tables of keys follow from them: a new key is one field here, and `python docs/scene_keys.py` writes the table of
 `config/README.md` again.
 """
 
@@ -26,9 +26,8 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic_core import ErrorDetails
 
-from weier.checks import shown, suggestion
+from weier.checks import shown
 from weier.data.bodies import Bodies
 from weier.methods.registry import find_method
 from weier.scene.case import Case, random_parameters
@@ -36,7 +35,7 @@ from weier.scene.cases import NAME
 from weier.scene.figure import Figure, Grouping
 from weier.scene.study import check_value
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
-from weier.scene.yaml import Keys, Mistake, number, number_or_word
+from weier.scene.yaml import Keys, Mistake, number
 from weier.surface.loads import check_pascal, check_range, listed_loads
 from weier.units import NORMALISED_PRESSURE, PASCAL, factor, mixed
 from weier.units import NUMBER as QUANTITY
@@ -55,14 +54,6 @@ class Section(BaseModel):
     def given(self) -> dict[str, Any]:
         """The values of the keys in the file, in the order of the model."""
         return {name: value for name, value in self if name in self.model_fields_set}
-
-    @classmethod
-    def keys(cls) -> dict[str, str]:
-        """Return the description of each key, by its name in files."""
-        return {
-            of.alias or name: f"{of.description}{' Required.' if of.is_required() else ''}"
-            for name, of in cls.model_fields.items()
-        }
 
 
 def distinct(values: list[Any]) -> list[Any]:
@@ -128,7 +119,6 @@ def _load(value: Any) -> list[tuple[float, str]]:
 OneOrMore = BeforeValidator(lambda value: value if isinstance(value, list) else [value])
 Number = Annotated[Any, PlainValidator(_number)]
 TraceNumber = Annotated[Number, AfterValidator(partial(number, "this"))]
-NumberOrWord = Annotated[Number, AfterValidator(number_or_word)]
 NumberOrRange = Annotated[Any, PlainValidator(_number_or_range)]
 Phase = Annotated[Any, PlainValidator(_phase)]
 Load = Annotated[Any, PlainValidator(_load)]
@@ -214,7 +204,7 @@ class ProfileKeys(Section):
 
 def _field(key: TraceKey) -> Any:
     """Return the field of a key of measured heights; `Trace.read` checks its value."""
-    kinds = {float: TraceNumber, object: NumberOrWord, int: Position, str: Line}
+    kinds = {float: TraceNumber, int: Position, str: Line}
     one: Any = Literal[key.kind] if isinstance(key.kind, tuple) else kinds[key.kind]
     if key.several:
         one = Annotated[list[one], Field(min_length=1), OneOrMore]
@@ -370,33 +360,9 @@ class SceneKeys(Section):
     )
 
 
-def mistakes_of(error: ValidationError, raw: Any) -> Iterator[Mistake]:
-    """Yield the mistakes of the plain values of a file, with their keys in the file.
-
-    Pydantic's locations also contain markers of keys, and list positions of values written without a list.
-    """
+def mistakes_of(error: ValidationError) -> Iterator[Mistake]:
+    """Yield pydantic's mistakes, in its words and at its locations."""
     for found in error.errors():
-        keys, value, section = list[str | int](), raw, raw
-        for key in found["loc"]:
-            if isinstance(value, list) and isinstance(key, int):
-                keys, value, section = [*keys, key], value[key], value
-            elif isinstance(value, dict) and key != "[key]" and (isinstance(key, str) or key in value):
-                keys, value, section = [*keys, key], value.get(key), value
-        yield Mistake(tuple(keys), _words(found, section))
-
-
-def _words(error: ErrorDetails, section: Any) -> str:
-    """Return pydantic's message and the given value, or the message of a validator of weier.
-
-    An unknown key is compared with the keys of the kind of section that shares most keys with this section. A word
-    that begins a key, as `missing`, is first looked for in their descriptions.
-    """
-    if error["type"] == "value_error":
-        return str(error["ctx"]["error"])
-    if error["type"] == "extra_forbidden":
-        known = max((of.keys() for of in Section.__subclasses__()), key=lambda keys: len(keys & section.keys()))
-        word = str(error["loc"][-1])
-        begins = any(key.startswith(f"{word}_") for key in known)
-        meant = [key for key, says in known.items() if begins and f" {word} " in says]
-        return error["msg"] + (f": did you mean {meant[0]!r}?" if meant else suggestion(word, known))
-    return error["msg"] if error["type"] == "missing" else f"{error['msg']}, got {shown(error['input'])}"
+        complete = found["type"] in ("missing", "extra_forbidden", "value_error")
+        given = "" if complete else f", got {shown(found['input'])}"
+        yield Mistake(found["loc"], found["msg"].removeprefix("Value error, ") + given)

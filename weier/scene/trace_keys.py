@@ -11,7 +11,7 @@ from weier.surface.measured.trace import ENDS, MIRRORED
 
 
 class TraceKey(NamedTuple):
-    """A key: its type (object: a number or a text) or its words, its description, and whether it takes a list."""
+    """A key: its type or its words, its description, and whether it takes a list."""
 
     kind: Any
     says: str
@@ -48,7 +48,7 @@ TRACE_KEYS = {
         "Component removed from the heights: mean, tilt (a straight line, the default) or form (a parabola).",
     ),
     "max_gap": TraceKey(int, "Longest run of missing heights that is interpolated; 0, the default, refuses any."),
-    "missing_value": TraceKey(object, "Numbers for missing heights, in the unit of the heights.", several=True),
+    "missing_value": TraceKey(float, "Numbers for missing heights, in the unit of the heights.", several=True),
     "line": TraceKey(int, "Index of the line of a map, from 0; with across alone, each line is a case."),
     "across": TraceKey(AXES, "Axis of the lines of a map, across its grooves."),
 }

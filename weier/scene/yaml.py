@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,13 +25,10 @@ class Document(NamedTuple):
     root: Node | None
 
     def line(self, keys: Keys) -> int:
-        """Return the line of the value at these keys, or of the last key that exists; the first line is 1."""
+        """Return the line of the value at these keys, without those that the text lacks; the first line is 1."""
         node, mark = self.root, self.root.start_mark if self.root else None
         for key in keys:
-            found = _child(node, key)
-            if found is None:
-                break
-            mark, node = found
+            mark, node = _child(node, key) or (mark, node)
         return mark.line + 1 if mark else 1
 
 
@@ -58,15 +54,6 @@ def read_yaml(text: str) -> Document:
 def number(name: str, value: Any, unit: str = NONE) -> float:
     """Return a number in `unit`, which may be given as text, with a unit of its own; ValueError if it is none."""
     return checked_number(name, parsed(name, value, unit))
-
-
-def number_or_word(value: Any) -> Any:
-    """Return a finite number, which may be given as text, and any other value as it is."""
-    try:
-        found = number("this", value)
-    except ValueError:
-        return value
-    return found if math.isfinite(found) else value
 
 
 def _child(node: Node | None, key: str | int) -> tuple[StringMark, Node] | None:

@@ -1,4 +1,4 @@
-"""Tables of the keys of scene files; `python -m weier.scene` writes the first one into `config/README.md`."""
+"""Tables of the keys of scene files; `python docs/scene_keys.py` writes the first one into `config/README.md`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ GENERATED = re.compile(r"(?<=<!-- keys of a scene -->\n).*?(?=<!-- end -->)", re
 def tables() -> Iterator[tuple[str, str]]:
     """Yield the heading of each part of a scene, and the Markdown table of its keys."""
     for heading, part in PARTS.items():
-        rows = [[f"`{name}`", plain(says)] for name, says in part.keys().items()]
+        rows = [
+            [f"`{key.alias or name}`", plain(f"{key.description}{' Required.' if key.is_required() else ''}")]
+            for name, key in part.model_fields.items()
+        ]
         yield heading, table(("key", "what it says"), rows)
 
 
