@@ -158,12 +158,13 @@ rule data:
         "rules/environment.yaml"
     params:
         product=DATA,
+        folder="results/{scene}",
     message:
         "{wildcards.scene}: {params.product}"
     shell:
         "test -d {input.folder:q}/{params.product} || {{ echo 'weier: {params.product} was not made, for the reason in"
         " results/logs/{wildcards.scene}/make'; exit 1; }};"
-        " cp {input.folder:q}/{params.product}/*/* $(dirname {output[0]:q}) 2>&1 | tee {log:q}"
+        " cp {input.folder:q}/{params.product}/*/* {params.folder} 2>&1 | tee {log:q}"
 
 
 use rule data as figure with:
@@ -184,6 +185,7 @@ use rule data as figure with:
         "results/logs/{scene}/figures/{figure}.log",
     params:
         product="{figure}",
+        folder="results/{scene}/figures",
 
 
 use rule data as page with:
