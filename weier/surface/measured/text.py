@@ -2,7 +2,9 @@
 
 The table is one block of lines. The delimiter and the decimal sign follow from a sample of the lines. One pattern
 defines numbers; any other text in the table is refused with its line. Lines next to the table are refused if they may
-belong to it. Dialects beyond are for pandas, whose arrays `weier.Trace` takes.
+belong to it. Dialects beyond are for pandas, whose arrays `weier.Trace` takes. Its parser does not read the table:
+with any arguments it fills short rows with NaN, reads 1e400 as infinite and 1.2.3 with points between thousands as
+123, and its errors name no line.
 """
 
 from __future__ import annotations
