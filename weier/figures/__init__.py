@@ -25,9 +25,12 @@ METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None},
 VALUES = "csv"  # suffix of the values of a figure
 
 # Variables that no figure shows, and further ones that figures of grouped curves do not show: of a hundred thousand
-# cases at 40 loads by four methods, each variable takes 128 MB.
-UNDRAWN = ("indentation", "patch_count", "residual", "work", "points", "settings", "status", "origin")
-UNGROUPED = (*BOUNDS, "contact_fraction", "contact_edge")
+# cases at 40 loads by four methods, each variable over loads takes 128 MB.
+UNDRAWN = (
+    *("indentation", "mean_gap", "patch_count", "residual", "work", "points", "settings", "status", "origin"),
+    *("seconds", "first_contact", "area_coefficient", "rms_height", "rms_slope", "rms_curvature"),
+)
+UNGROUPED = (*BOUNDS, "contact_fraction", "contact_edge", "tail_amplitude")
 
 
 class FigureKind(NamedTuple):

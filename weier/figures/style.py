@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-import matplotlib
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from weier.data import curves
 from weier.data.bodies import Bodies
@@ -21,6 +18,10 @@ from weier.methods.method import DEFAULT_STYLE, Style
 from weier.scene.figure import MAX_PANELS
 from weier.surface.profile import MAX_DENOMINATOR, PARAMETERS
 from weier.units import PASCAL, THERMAL_RESISTANCE
+
+if TYPE_CHECKING:  # importing matplotlib takes half a second, which the explorer does not need
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Group = TypeVar("Group")
 Color = tuple[float, ...]
@@ -117,8 +118,9 @@ def family(count: int) -> list[dict[str, Any]]:
 
 def shade(fractions: Iterable[float]) -> list[Color]:
     """Return colours from light (0) to dark (1), distinct in grey print and without yellow."""
-    colormap = matplotlib.colormaps["viridis_r"]
-    return [colormap(0.2 + 0.75 * fraction) for fraction in fractions]
+    from matplotlib import colormaps
+
+    return [colormaps["viridis_r"](0.2 + 0.75 * fraction) for fraction in fractions]
 
 
 def column(title: str, names: Sequence[str], height: float = HEIGHT, **options: Any) -> tuple[Figure, list[Axes]]:
@@ -126,6 +128,8 @@ def column(title: str, names: Sequence[str], height: float = HEIGHT, **options: 
 
     It does not go through pyplot, which would keep it in memory.
     """
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(WIDTH, height * len(names)), layout="constrained")
     axes = figure.subplots(len(names), 1, squeeze=False, **options)[:, 0].tolist()
     for number, (panel, name) in enumerate(zip(axes, names, strict=True)):
@@ -149,6 +153,8 @@ def column_of_series(
 
 def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figure, list[Axes]]:
     """Return a figure with panels in rows and common axes. Without `columns`, a row has two or three panels."""
+    from matplotlib.figure import Figure
+
     columns = columns or {1: 1, 2: 2, 4: 2}.get(panels, 3)
     width, height = GRID_PANELS[min(columns, 3)]
     rows = -(-panels // columns)
@@ -158,6 +164,7 @@ def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figur
         if number >= panels:
             panel.remove()
             continue
+        panel.spines[:].set_in_layout(False)  # they do not extend a panel, but measure its ticks again
         if number + columns >= panels:  # no panel is below it
             panel.tick_params(labelbottom=True)
             panel.set_xlabel(x)

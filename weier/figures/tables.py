@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Hashable, Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -91,15 +92,15 @@ def table_of(tables: Sequence[Values]) -> pd.DataFrame:
     parts, first = [], 0
     for number, (own, names) in enumerate(zip(tables, _names_of_traces(tables), strict=True)):
         study, size = own.study, len(names)
-        phases = [_phases(row) for row in study["phases"].values[:, 1:].round(9)]
+        rows = np.nan_to_num(study["phases"].values[:, 1:].round(9), nan=np.inf).tolist()
+        phases = list(map(cache(_phases), map(tuple, rows)))  # cases of one seed have the same phases
         seeds = study["seed"].values.astype(float) if "seed" in study.variables else np.full(size, np.nan)
         columns: dict[str, Any] = {"case": first + np.arange(size), "study": number, "row": np.arange(size)}
+        traced, seeded = np.array([name != "" for name in names]), np.isfinite(seeds)
         for name in PARAMETERS:
-            values = study[name].values.astype(float).tolist()
-            columns[name] = _objects(None if trace else value for trace, value in zip(names, values, strict=True))
-        columns |= {"trace": _objects(names), "phases": _objects(phases), "seeded": np.isfinite(seeds)}
-        pairs = zip(seeds.tolist(), phases, strict=True)
-        columns["seed"] = _objects(seed if np.isfinite(seed) else phase for seed, phase in pairs)
+            columns[name] = np.where(traced, None, study[name].values.astype(float))
+        columns |= {"trace": _objects(names), "phases": _objects(phases), "seeded": seeded}
+        columns["seed"] = np.where(seeded, seeds, columns["phases"])
         cases, first = pd.DataFrame(columns), first + size
         for column, method in enumerate(own.methods):
             best = own.best == column
@@ -108,14 +109,14 @@ def table_of(tables: Sequence[Values]) -> pd.DataFrame:
     return pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
 
 
-def _objects(values: Any) -> pd.Series:
-    return pd.Series(list(values), dtype=object)
+def _objects(values: Sequence[Any]) -> pd.Series:
+    return pd.Series(values, dtype=object)
 
 
-def _phases(row: Array) -> Hashable:
-    """Return the phases of the further terms of a case: a number if they are equal."""
-    phases = row[np.isfinite(row)].tolist()
-    return phases[0] if len(set(phases)) == 1 else tuple(phases)
+def _phases(row: tuple[float, ...]) -> Hashable:
+    """Return the phases of the further terms of a case, inf if missing: a number if they are equal."""
+    phases = tuple(phase for phase in row if phase != np.inf)
+    return phases[0] if len(set(phases)) == 1 else phases
 
 
 def extent(tables: Sequence[Values]) -> Extent:

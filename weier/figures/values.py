@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Dollar signs delimit mathtext unless escaped by a backslash; SIGNS converts mathtext to plain text.
 DOLLAR = re.compile(r"(?<!\\)\$")
@@ -52,8 +54,9 @@ def as_csv(figure: Figure) -> str:
         heading = plain(_label(axes, "y"))
         columns = {plain(_label(axes, "x")): x} | {f"{heading}{end}": own for end, own in values.items()}
         numbers = {name: np.asarray(own, float) for name, own in columns.items()}
-        part = pd.DataFrame({"panel": plain(_title(axes)), "curve": plain(name)} | numbers)
-        parts.append(part.dropna(subset=list(numbers)[1:], how="all"))
+        known = ~np.isnan(list(numbers.values())[1:]).all(axis=0)
+        rows = {name: own[known] for name, own in numbers.items()}
+        parts.append(pd.DataFrame({"panel": plain(_title(axes)), "curve": plain(name)} | rows))
     return pd.concat(parts).to_csv(index=False, lineterminator="\n")
 
 
