@@ -14,7 +14,7 @@ from weier.methods.patches.certificate import (
     EPS,
     SAMPLED_FACTOR,
     TANGENT_ERROR,
-    _releases,
+    _effect_of_edges,
     _sizes,
     certify,
     contact_residual,
@@ -328,7 +328,8 @@ def test_an_edge_beside_a_narrow_gap_counts_twice(period):
 def test_an_edge_moves_by_the_gap_beside_it(period):
     """Two contacts 0.05 L apart, and the increment at one edge only; the length in contact changes by all moves."""
     r, A, none = np.full(2, 0.1 * period), np.full((2, 2), 3.0), np.zeros(2)
-    extent, height_error = (none, np.array([0.2, 0.45]) * period, r), np.full(2, HEIGHT)
+    extent, first = (none, np.array([0.2, 0.45]) * period, r), np.arange(3)
+    density = (*extent, first), A[0] / np.sqrt(2 / r), extent, period
     force = np.pi / np.sqrt(8) * r[0] ** 1.5 * 3
     by_force = 2 * r[0] * HEIGHT / (max(-2 * np.log(0.1 * np.pi), 1.0) * force)
     narrow, wide = (np.sqrt(2) * HEIGHT / (np.pi * 3 * np.sqrt(s * period)) + by_force for s in (0.025, 0.1))
@@ -336,8 +337,9 @@ def test_an_edge_moves_by_the_gap_beside_it(period):
         B = np.zeros((2, 2))
         B[j, side] = 1.0
         expected = (2 * narrow if half_gap < 0.1 else wide), 4 * narrow + 2 * wide
-        found = _releases(*extent, period, A, B, height_error, np.zeros(2), 0.0)
-        assert found == pytest.approx(expected, rel=1e-12, abs=0)
+        strengths, crests, errors = (False, 1.0, B), (none[:1], none[:1], 0.0), (HEIGHT, np.nan, none, 0.0)
+        release, length = _effect_of_edges(*density, strengths, crests, errors)
+        assert (release * period / (2 * np.pi**2), length) == pytest.approx(expected, rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize("period", [1.0, 9.0])

@@ -49,7 +49,7 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
     r, dense = RADII * period, np.zeros((FIRST[-1], FIRST[-1]))
     offset, left, diagonal = placed(FIRST, r, period, dual)
     add_self_influence_blocks(
-        FIRST, left, diagonal, self_influence_tables(FIRST, kind), kind.shift, kind.hankel_sign, dense
+        FIRST, left, diagonal, self_influence_tables(tuple(FIRST), kind), kind.shift, kind.hankel_sign, dense
     )
     for j, K in enumerate(COUNTS):
         here, wave = slice(FIRST[j], FIRST[j + 1]), waves(K, dual)

@@ -18,13 +18,14 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING
 from weier.methods.patches.pressure_and_gap import residuals_in_order
-from weier.methods.patches.segments import ContactState, SegmentArrays, integrals, segment_strengths
+from weier.methods.patches.segments import ContactState, SegmentArrays, edge_strengths
 from weier.methods.patches.surface import (
     TWIN_HEIGHT,
     CosineSeries,
+    Extent,
     Sides,
     distances_between,
-    nearest_crests,
+    nearest_crest,
 )
 from weier.theory.halfplane import Number
 
@@ -53,8 +54,10 @@ def error_bound(
     pressure, width : bounds on pressures in gaps or tensions, in p_0*, each on a separate interval of a width, in
         lambda_0, shape (violations,); the number of the largest that are removed minimises the bound
     """
-    order = np.argsort(-pressure)
-    return _least_bound(indentation, load, missing, gap, pressure[order], width[order], period)
+    if pressure.size > 1:
+        order = np.argsort(-pressure)
+        pressure, width = pressure[order], width[order]
+    return _least_bound(indentation, load, missing, gap, pressure, width, period)
 
 
 @kernel
@@ -172,13 +175,14 @@ def certify(
     ConvergenceError is raised if a violation is larger, or if the contacts do not carry the load.
     """
     kind, period = state.kind, series.period
-    height = kind.residual_height(state.segments.half_width)
     missing, closure = kind.imbalance(state, period)
-    state = state._replace(residual=max(float((height * residual).max()), closure))
+    largest = float((kind.residual_height(state.segments.half_width) * residual).max())
+    state = state._replace(residual=max(largest, closure))
     check_violation(state, missing, period, tolerance)
-    (gap, pressure, roughness), width = kind.violations(SAMPLED_FACTOR * residual, roughness), residual_width
+    gap, pressure, roughness = kind.violations(SAMPLED_FACTOR * largest, SAMPLED_FACTOR * residual, roughness)
+    width = residual_width[: pressure.size]
     # A residual pressure sigma on a width W displaces the surface by about 2 sigma W (`error_bound`).
-    displacement = 2 * float((height * pressure).max())
+    displacement = 2 * SAMPLED_FACTOR * largest if kind.is_slope else 0.0
     gap = max(gap, closure, -float(overlaps["value"].min(initial=0.0)))
     if tensions.size > 0:
         contacts = kind.contacts_of(state.segments.extent, period)
@@ -198,10 +202,10 @@ def certify(
         width,
         period,
     )
-    state = state._replace(error=error, height_error=error + displacement, roughness=roughness)
-    uncertainty = gap_uncertainty(state.height_error, total_amplitude)
+    uncertainty = gap_uncertainty(error + displacement, total_amplitude)
     minima = kind.narrow_gaps(state, series, overlaps, margin, uncertainty)
-    return state._replace(narrow_gaps=minima[minima["value"] < uncertainty])
+    narrow = minima[minima["value"] < uncertainty]
+    return state._replace(error=error, height_error=error + displacement, roughness=roughness, narrow_gaps=narrow)
 
 
 def crack_effect(state: ContactState, period: float) -> tuple[float, float, float]:
@@ -329,49 +333,55 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> Effect:
 
     On crests other than the highest and its equals, rounding of amplitudes and displacements adds to them.
     """
-    L, A = series.period, np.maximum(np.abs(segment_strengths(state)), 1e-300)
-    contacts = state.kind.contacts_of(state.segments.extent, L)
-    crest, _ = nearest_crests(series, contacts[0] + contacts[1])
-    is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * series.total_amplitude
-    rounding = EPS * series.total_amplitude + COMPLIANCE_ROUNDING * state.load * L
-    height_error = np.asarray(state.height_error + rounding * is_lower, np.float64)
-    curvature_error = EPS * series.largest_curvature
-    A, B = state.kind.at_contacts(A), state.kind.at_contacts(state.tangent_strength)
-    A = state.kind.certain_strengths(A, integrals(state), contacts[2])
-    release, length = _releases(*contacts, L, A, B, height_error, state.roughness, curvature_error)
-    return 2 * np.pi**2 / L * release, length
+    segments, kind, period = state.segments, state.kind, series.period
+    rounding = EPS * series.total_amplitude + COMPLIANCE_ROUNDING * state.load * period
+    strengths = kind.is_slope, kind.strength_factor, state.tangent_strength
+    crests = series.crest_position, series.crest_offset, -TWIN_HEIGHT * series.total_amplitude
+    errors = state.height_error, rounding, state.roughness, EPS * series.largest_curvature
+    contacts = kind.contacts_of(segments.extent, period)
+    return _effect_of_edges(segments.arrays, state.coefficient, contacts, period, strengths, crests, errors)
 
 
 @kernel
-def _releases(
-    origin: Array,
-    centre: Array,
-    r: Array,
+def _effect_of_edges(
+    segments: SegmentArrays,
+    coefficient: Array,
+    contacts: Extent,
     L: float,
-    A: Sides,
-    B: Sides,
-    height_error: Array,
-    roughness: Array,
-    curvature_error: float,
-) -> tuple[float, float]:
-    """Return the sums of B^2 delta and of delta over all edges, for these errors of heights and curvatures."""
-    distance, release, length = distances_between(origin, centre, r, L), 0.0, 0.0
+    strengths: tuple[bool, float, Sides],
+    crests: tuple[Array, Array, float],
+    errors: tuple[float, float, Array, float],
+) -> Effect:
+    """Return the effect of all edges by errors of heights and curvatures; lower crests have rounding in addition."""
+    (_, _, half_width, first_node), (origin, centre, r) = segments, contacts
+    (is_gap, factor, tangent), (position, offset, twin) = strengths, crests
+    height_error, rounding, roughness, curvature_error = errors
+    distance, inside = distances_between(origin, centre, r, L), edge_strengths(first_node, half_width, coefficient, 1)
+    A, B, release, length = np.empty(2), np.empty(2), 0.0, 0.0
     for j in range(r.size):
-        force = np.pi / np.sqrt(8.0) * r[j] ** 1.5 * 0.5 * (A[j, 0] + A[j, 1])
+        for side in range(2):
+            at = 2 * j + side + is_gap  # contact j follows gap j
+            k, end = at // 2 % r.size, at % 2
+            A[side], B[side] = max(factor * abs(inside[k, end]), 1e-300), tangent[k, end]
+            if not is_gap:  # The force limits the strengths.
+                A[side] = min(A[side], np.sqrt(2 / r[j]) * max(coefficient[first_node[j]], 1e-300))
+        crest, _ = nearest_crest(position, L, origin[j] + centre[j])
+        error = height_error + (rounding if offset[crest] < twin else 0.0)
+        force = np.pi / np.sqrt(8.0) * r[j] ** 1.5 * 0.5 * (A[0] + A[1])
         chi = max(-2 * np.log(np.pi * r[j] / L), 1.0)
-        by_force = 2 * r[j] * height_error[j] / (chi * force) + curvature_error * r[j] ** 3 / (8 * force)
+        by_force = 2 * r[j] * error / (chi * force) + curvature_error * r[j] ** 3 / (8 * force)
         for side in range(2):
             beside = 0.5 * distance[j - 1 + side]
             is_narrow, scale = beside < r[j], min(beside, r[j])
-            height = height_error[j] / np.sqrt(scale) + 0.5 * roughness[j] / np.sqrt(r[j])
-            move = np.sqrt(2.0) / np.pi * height / A[j, side] + by_force
+            height = error / np.sqrt(scale) + 0.5 * roughness[j] / np.sqrt(r[j])
+            move = np.sqrt(2.0) / np.pi * height / A[side] + by_force
             # If the move may reach this scale, the contact or gap may not exist. The loss of a gap changes
             # R by less than a move of 2 b. The contact lowers R by f^2 chi L, and by chi/chi' times
             # as much with the largest force.
             if not move < scale:
-                more = max(chi - np.log(1 + 4 * height_error[j] / (chi * force)), 1.0)  # chi' of the largest contact
+                more = max(chi - np.log(1 + 4 * error / (chi * force)), 1.0)  # chi' of the largest contact
                 move = SAFETY_FACTOR * beside if is_narrow else 0.5 * r[j] * chi * max(1.0, chi / more - 1)
             move *= SAFETY_FACTOR if is_narrow else 1.0
-            release += B[j, side] ** 2 * move
+            release += B[side] ** 2 * move
             length += move
-    return release, length
+    return 2 * np.pi**2 / L * release, length

@@ -23,7 +23,7 @@ from weier.methods.patches.kind import (
     OnContacts,
 )
 from weier.methods.patches.pressure_and_gap import work_of_forces
-from weier.methods.patches.segments import ContactState, integrals
+from weier.methods.patches.segments import ContactState
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface
 from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.methods.punches import OFFSET, Inverse, invert_punches
@@ -175,22 +175,18 @@ class Contacts:
 
     def imbalance(self, state: ContactState, period: float) -> tuple[float, float]:
         """Return the deviation of the mean pressure, in p_0*, and the closure error of gaps, 0."""
-        return abs(float(integrals(state).sum()) / period - state.load), 0.0
+        force = 0.5 * np.pi * float(state.segments.half_width @ state.coefficient[state.segments.first_node[:-1]])
+        return abs(force / period - state.load), 0.0
 
-    def violations(self, residual: Array, roughness: Array) -> tuple[float, Array, Array]:
+    def violations(self, largest: float, residual: Array, roughness: Array) -> tuple[float, Array, Array]:
         """Return the largest gap, and no pressures."""
-        return float(residual.max()), np.zeros(residual.size), roughness
+        return largest, np.empty(0), roughness
 
     def narrow_gaps(
         self, state: ContactState, series: CosineSeries, overlaps: Records, margin: float, uncertainty: float
     ) -> Records:
         """Return the overlaps, or search again if the gap turns out less certain than the margin."""
         return overlaps if uncertainty <= margin else minima_outside(state, series, uncertainty)
-
-    def certain_strengths(self, strength: Sides, integral: Array, half_width: Array) -> Sides:
-        """Return strengths of at most sqrt(8) F/(pi a^(3/2))."""
-        most = np.sqrt(8.0) / np.pi * np.maximum(integral, 1e-300) / half_width**1.5
-        return np.asarray(np.minimum(strength, most[:, None]))
 
 
 CONTACTS = Contacts()

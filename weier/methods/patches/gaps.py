@@ -21,7 +21,7 @@ from weier.methods.patches.kind import (
     OnContacts,
 )
 from weier.methods.patches.pressure_and_gap import complementary_residuals, work_of_forces
-from weier.methods.patches.segments import ContactState, integrals
+from weier.methods.patches.segments import ContactState
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface, intervals_between, nearest_crests
 from weier.methods.patches.thin_gaps import gap_singularities
 
@@ -166,9 +166,10 @@ class Gaps:
 
     def imbalance(self, state: ContactState, period: float) -> tuple[float, float]:
         """Return the deviation of the mean pressure, 0, and the closure error of all gaps, in g_0."""
-        return 0.0, float(np.abs(integrals(state)).sum())
+        mean = np.abs(state.coefficient[state.segments.first_node[:-1]])
+        return 0.0, 0.5 * np.pi * float(state.segments.half_width @ mean)
 
-    def violations(self, residual: Array, roughness: Array) -> tuple[float, Array, Array]:
+    def violations(self, largest: float, residual: Array, roughness: Array) -> tuple[float, Array, Array]:
         """Return the pressures; their edges respond to the lowest two coefficients only (docs/patches.md)."""
         return 0.0, residual, np.zeros(residual.size)
 
@@ -177,10 +178,6 @@ class Gaps:
     ) -> Records:
         """Return the minima of the gap on segments."""
         return gap_minima(state)
-
-    def certain_strengths(self, strength: Sides, integral: Array, half_width: Array) -> Sides:
-        """Return the strengths."""
-        return strength
 
 
 GAPS = Gaps()

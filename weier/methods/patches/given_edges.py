@@ -32,8 +32,8 @@ from weier.methods.patches.segments import SegmentArrays, Segments
 from weier.methods.punches import Inverse, solve_forces
 from weier.theory.halfplane import replace_by_influence
 
-# largest number of unknowns of a direct solution: with 400 it takes 0.8 (contacts) and 1.0 (gaps) times as long as
-# conjugate gradients with fast sums, with 480 1.3 and 1.2 times (`python -m benchmarks direct_solution`)
+# largest number of unknowns of a direct solution: with 400 it takes 0.5 (contacts) and 1.0 (gaps) times as long as
+# conjugate gradients with fast sums, with 640 1.2 and 2.4 times (`python -m benchmarks direct_solution`)
 MAX_DIRECT = 400
 MAX_STEPS = 300  # steps of conjugate gradients; 10 to 30 are usual
 
@@ -116,34 +116,28 @@ def _check_apart(is_apart: bool) -> None:
 @kernel
 def _equations(
     segments: SegmentArrays, nodes: Table, table: Array, forcing: Array, period: float, numbers: KindNumbers
-) -> Table:
-    """Return the upper triangle of the influence of all forces at all nodes and, in two rows, both right sides.
+) -> tuple[Table, Table]:
+    """Return the upper triangle of the influence of all forces at all nodes, and two rows of right sides.
 
     table : result of `self_influence_tables`
     """
-    (origin, centre, _, first), (offset, left, diagonal), at = segments, nodes, 0
+    (origin, centre, _, first), (offset, left, diagonal), n = segments, nodes, forcing.size
     is_slope, shift, _, hankel_sign, factor, more, _, _ = numbers
-    n = offset.size
-    influence, matrix = np.empty(n * (n + 1) // 2), np.zeros((n + 2, n))
+    matrix, right = np.empty((n, n)), np.empty((2, n))
     for i in range(centre.size):
         for a in range(first[i], first[i + 1]):
+            row, right[0, a], right[1, a] = matrix[a], forcing[a], 1.0
             for j in range(i, centre.size):
                 apart = origin[i] - origin[j] + (centre[i] - centre[j])
-                start = a if i == j else first[j]
-                row = influence[at : at + first[j + 1] - start]
-                for b in range(row.size):
-                    row[b] = apart + (offset[a] - offset[start + b])
-                at += row.size
-    replace_by_influence(influence, period, is_slope)
+                for b in range(a if i == j else first[j], first[j + 1]):
+                    row[b] = apart + (offset[a] - offset[b])
+            replace_by_influence(row[a:], period, is_slope)
     add_self_influence_blocks(first, left, diagonal, table, shift, hankel_sign, matrix)
-    at = 0
     for a in range(n):
-        matrix[n, a], matrix[n + 1, a] = forcing[a], 1.0
-        row, here = matrix[a, a:], influence[at : at + n - a]
-        for b in range(row.size):
-            row[b] = factor * (row[b] + here[b]) + more
-        at += row.size
-    return matrix
+        row = matrix[a]
+        for b in range(a, n):
+            row[b] = factor * row[b] + more
+    return matrix, right
 
 
 @kernel
@@ -198,13 +192,12 @@ def solve_forces_on_contacts(
     if punches.matrix is not None:
         return _solve_iteratively(punches, forcing, load, start, residual, reduction)
     segments, kind, period = punches.segments, punches.kind, punches.period
-    nodes, table = (segments.arrays, punches.nodes), self_influence_tables(segments.first_node, kind)
-    equations = _equations(*nodes, table, forcing, period, numbers_of(kind, period))
-    matrix, right = equations[:-2].T, equations[-2:].T
-    _, found, failed = scipy.linalg.lapack.dposv(matrix, right, lower=1, overwrite_a=1, overwrite_b=1)
+    table, numbers = self_influence_tables(tuple(segments.first_node.tolist()), kind), numbers_of(kind, period)
+    matrix, right = _equations(segments.arrays, punches.nodes, table, forcing, period, numbers)
+    _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, lower=1, overwrite_a=1, overwrite_b=1)
     _check_apart(not failed)
     force = found.T
-    plane, increment = _close(force, load, period, numbers_of(kind, period))
+    plane, increment = _close(force, load, period, numbers)
     return Forces(force[0], plane, tangent=(force[1], increment))
 
 

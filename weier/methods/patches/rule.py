@@ -113,10 +113,10 @@ def _self_influence_table(K: int, kind: Kind, inverse: bool) -> Array:
     return np.append(X, X[-2::-1])[: 2 * K + 1]  # X is even about N
 
 
-def self_influence_tables(first_node: Indices, kind: Kind) -> Array:
+@lru_cache(maxsize=256)
+def self_influence_tables(first_node: tuple[int, ...], kind: Kind) -> Array:
     """Return the tables X of all segments; the table of segment j begins at entry 2 first_node[j] + j."""
-    count = first_node[1:] - first_node[:-1]
-    return np.concatenate([_self_influence_table(K, kind, False) for K in count.tolist()])
+    return np.concatenate([_self_influence_table(K, kind, False) for K in np.diff(first_node).tolist()])
 
 
 def make_rule(first_node: Indices, kind: Kind) -> Rule:

@@ -193,11 +193,6 @@ def segment_strengths(state: ContactState) -> Sides:
     return np.asarray(state.kind.strength_factor * strength)
 
 
-def integrals(state: ContactState) -> Array:
-    """Return the force of each contact or the closure error of each gap, the integral of the density (pi/2) r a_0."""
-    return np.asarray(0.5 * np.pi * state.segments.half_width * state.coefficient[state.segments.first_node[:-1]])
-
-
 def contact_extent(state: ContactState, period: float) -> Extent:
     """Return the contacts between all gaps, thin ones included."""
     if state.cracks.contact.size > 0:
@@ -230,7 +225,7 @@ def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides, S
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
     """Return segments, already sorted, with these numbers of nodes."""
     first_node = np.zeros(node_count.size + 1, np.int64)
-    first_node[1:] = node_count.cumsum()
+    node_count.cumsum(out=first_node[1:])
     return Segments(crest, origin, centre, half_width, first_node)
 
 

@@ -32,7 +32,6 @@ from weier.methods.patches.edge_iteration import (
 from weier.methods.patches.given_edges import (
     MAX_DIRECT,
     Forces,
-    expansion,
     solve_tangent,
     vanishing_at_edges,
 )
@@ -40,7 +39,8 @@ from weier.methods.patches.inequalities import (
     find_missing,
     find_negative_intervals,
 )
-from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_TENSION
+from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_TENSION, KindNumbers, numbers_of
+from weier.methods.patches.rule import expand_forces
 from weier.methods.patches.segments import (
     ContactState,
     coefficient_tails,
@@ -49,7 +49,7 @@ from weier.methods.patches.segments import (
     more_nodes,
 )
 from weier.methods.patches.start import TOLERANCE, with_fewer_nodes
-from weier.methods.patches.surface import Surface
+from weier.methods.patches.surface import Sides, Surface
 from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
 MAX_STEPS = 60  # Newton steps per load; 2.6 on average, at most 9 for 4 000 hard loads
@@ -141,11 +141,13 @@ def solve_in_stages(
         # Stage 4. The resistance is an energy, with the square of the reduction as relative error.
         tangent = solve_tangent(solved.punches, solved.forces, max(np.sqrt(EPS), tolerance))
         overlaps, tensions = kind.overlaps_and_tensions(minima, negative)
-        state = _with_resistance(state, solved, step, tangent)
-        state, tensions = with_cracks(state, series, step.punches, tangent, tensions, float(residual.max()))
+        resistance, strength = _resistance(solved, step, tangent)
+        route = guess.route._replace(steps=steps, corrections=corrections)
+        state = state._replace(resistance=resistance, tangent_strength=strength, edge_move=step.outward, route=route)
+        state, tensions = with_cracks(state, series, step.punches, tangent, tensions, residual)
         violations = residual, width, roughness, overlaps, tensions
-        state = certify(state, *violations, series, surface.total_amplitude, accepted or tolerance, limits.margin)
-        return state._replace(route=guess.route._replace(steps=steps, corrections=corrections)), steps
+        checks = surface.total_amplitude, accepted or tolerance, limits.margin
+        return certify(state, *violations, series, *checks), steps
 
 
 def converge(
@@ -316,16 +318,37 @@ def contact_state(problem: ContactProblem, step: NewtonStep) -> ContactState:
     return ContactState(problem.kind, problem.load, -step.forces.plane, segments, a)
 
 
-def _with_resistance(state: ContactState, solved: NewtonStep, step: NewtonStep, tangent: Forces) -> ContactState:
-    """Return the state with its resistance, and with the strengths B of the tangent pressure at its edges.
+def _resistance(solved: NewtonStep, step: NewtonStep, tangent: Forces) -> tuple[float, Sides]:
+    """Return the resistance, and the strengths B of the tangent pressure at the edges of the segments.
 
     Edges that have moved since the last solution have released energy, which is included.
     """
-    segments, kind = solved.punches.segments, state.kind
-    b = expansion(solved.punches, tangent.force)
-    k_0 = edge_strengths(segments.first_node, segments.half_width, b, 0)
-    strength = kind.strength_factor * np.abs(k_0)
-    released = float((strength**2 * solved.outward).sum()) if step is not solved else 0.0
+    punches, kind, period = solved.punches, solved.punches.kind, solved.punches.period
+    outward = solved.outward if step is not solved else np.zeros_like(step.outward)
+    segments = punches.segments.first_node, punches.segments.half_width, outward
+    numbers = numbers_of(kind, period)
+    strength, released = _strengths(*segments, punches.left, tangent.force, period, kind.strength_factor, numbers)
     # The increment of gaps is the increment of the tension, which opens them.
-    resistance = -kind.right_sign * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
-    return state._replace(resistance=resistance, tangent_strength=strength, edge_move=step.outward)
+    return -kind.right_sign * (tangent.plane + released), strength
+
+
+@kernel
+def _strengths(
+    first_node: Indices,
+    r: Array,
+    outward: Sides,
+    left: Array,
+    force: Array,
+    period: float,
+    factor: float,
+    numbers: KindNumbers,
+) -> tuple[Sides, float]:
+    """Return the strengths B by forces, and the increase of the resistance when edges move outward."""
+    _, shift, derivative, _, _, _, _, _ = numbers
+    strength = edge_strengths(first_node, r, expand_forces(first_node, r, left, force, period, shift, derivative), 0)
+    released = 0.0
+    for j in range(r.size):
+        for side in range(2):
+            strength[j, side] = factor * abs(strength[j, side])
+            released += strength[j, side] ** 2 * outward[j, side]
+    return strength, 2 * np.pi**2 / period * released

@@ -31,6 +31,7 @@ from weier.methods.patches.surface import (
     CosineSeries,
     Sides,
     Surface,
+    distances_between,
     evaluate_at,
     from_crests,
     in_order,
@@ -39,11 +40,12 @@ from weier.methods.patches.surface import (
 )
 from weier.methods.patches.thin_gaps import NODES, settle_edges
 from weier.methods.punches import OFFSET
+from weier.surface.crests import Expansions
 from weier.surface.waves import Waves
 from weier.theory.halfplane import displacement_at_distance, punch_displacement
 
 # relative accuracy of a guess: of the forces of isolated contacts and of the tangent pressure on grids, of the
-# residual of boundary elements over the finest wave, of a parabola for a wave, and of a line force for a contact
+# residual of boundary elements over the finest wave, of an expansion for a wave, and of a line force for a contact
 GUESS_TOLERANCE = 0.02
 MAX_RESOLVED_ANGLE = (
     3.0  # largest half-width in radians of the finest wave on `NODES` nodes, with an error J_8(3) of 5e-4
@@ -190,17 +192,17 @@ def with_fewer_nodes(surface: Surface, guess: ContactState) -> ContactState:
 
 
 def _widest(series: CosineSeries) -> float:
-    """Return the largest half-width x in parabolas of the finest wave k, which differ from it by (k x)^2/12."""
-    return float(np.sqrt(12 * GUESS_TOLERANCE) / series.wavenumber[-1])
+    """Return the largest half-width of a guess from the expansion of a crest."""
+    return 0.5 * MAX_RESOLVED_ANGLE / float(series.wavenumber[-1])
 
 
 def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
     """Return Hertzian contacts on crests if they are small enough to interact as line forces; otherwise None."""
     total = load * series.period
     # A lower bound on the widest contact: all crests are as sharp as can be and share the load equally.
-    if 2 * np.sqrt(total / series.crest_curvature.size / series.largest_curvature) > _widest(series):
+    if 2 * np.sqrt(total / series.crest_offset.size / series.largest_curvature) > _widest(series):
         return None
-    crests = series.crest_position, series.crest_offset, series.crest_curvature, series.expansion
+    crests = series.crest_position, series.crest_offset, series.expansion
     forces = _forces_on_crests(*crests, series.step, series.period, total, _widest(series))
     return _isolated(series, load, CONTACTS, forces, False)
 
@@ -217,16 +219,15 @@ def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
 def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merges: bool) -> ContactState | None:
     """Return segments on crests under these forces or tensions, without nodes; None if they are not isolated.
 
-    On crests too flat for a parabola, edges are moved until the series itself has no singularity there, and segments
+    On crests too flat for four terms, edges are moved until the series itself has no singularity there, and segments
     that then overlap are merged if that is allowed.
     """
-    crest = np.flatnonzero(amount > 0)
+    place = amount, series.expansion, series.step, 0.5 if kind.is_slope else 1.0, _widest(series)
+    crest, y, half_width, is_accurate = _places_on_crests(*place)
+    origin, period = series.crest_position[crest], series.period
     if crest.size == 0:
         return None
-    origin, y, widest = series.crest_position[crest], np.zeros(crest.size), _widest(series)
-    curvature = np.maximum(series.crest_curvature[crest], np.finfo(float).tiny)
-    half_width = np.minimum(2 * np.sqrt(amount[crest] / curvature), widest)
-    if np.any(half_width > widest * np.sqrt(curvature / series.largest_curvature)):
+    if not is_accurate and (merges or _are_apart(origin, y, half_width, period)):
         rule = gauss_rule(NODES, False)
 
         def singularities(y: Array, r: Array) -> tuple[Sides, Sides]:
@@ -239,19 +240,52 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
             y, half_width, found = settle_edges(
                 singularities, y, half_width, MAX_RESOLVED_ANGLE / series.wavenumber[-1], GUESS_TOLERANCE
             )
-            places = merge_overlaps(np.stack([origin + y, half_width]), series.period)
+            places = merge_overlaps(np.stack([origin + y, half_width]), period)
             is_new = places.shape[1] < crest.size
             if not found.all() or (is_new and not merges):
                 return None
             if is_new:
                 half_width = places[1]
                 crest, origin, y = from_crests(series, places[0])
-    x = origin + y
-    nearest = (np.append(x[1:], x[0] + series.period) - x).min()
-    # The fields of a contact and of a line force differ by the square of half-width over distance.
-    if half_width.max() >= np.sqrt(GUESS_TOLERANCE) * nearest:
+    if not _are_apart(origin, y, half_width, period):
         return None
     return ContactState(kind, load, 0.0, make_segments(crest, origin, y, half_width, np.zeros_like(crest)))
+
+
+def _are_apart(origin: Array, y: Array, half_width: Array, period: float) -> bool:
+    """Return whether segments act on each other as line forces; the relative error is (half-width/distance)^2."""
+    nearest = distances_between(origin, y, np.zeros(y.size), period).min()
+    return bool(half_width.max() < np.sqrt(GUESS_TOLERANCE) * nearest)
+
+
+@kernel
+def _half_width(e: Array, amount: float, weight: float, most: float) -> float:
+    """Return the half-width of a segment on a crest with the expansion e, in its unit of length, up to a limit."""
+    bend, quartic = 0.5 * max(-e[2], 0.0), -0.75 * weight * e[4]
+    return min(np.sqrt(2 * amount / (bend + np.sqrt(max(bend * bend + 4 * quartic * amount, 1e-300)))), most)
+
+
+@kernel
+def _places_on_crests(
+    amount: Array, expansion: Expansions, step: float, weight: float, widest: float
+) -> tuple[Indices, Array, Array, bool]:
+    """Return crests with a force or tension, shifts and half-widths of their segments, and whether all are accurate.
+
+    They follow from the series up to x^4; x^5 and x^6 are the error. Cubic and quartic terms have the weight 1 for
+    contacts and 1/2 for gaps.
+    """
+    crest, place, count, is_accurate = np.empty(amount.size, np.int64), np.empty((2, amount.size)), 0, True
+    for k in range(amount.size):
+        if amount[k] > 0:
+            e, a = expansion[k], _half_width(expansion[k], amount[k], weight, widest / step)
+            rigidity = -2 * e[2] - 6 * weight * e[4] * a * a
+            y, rest = 1.5 * weight * e[3] * a * a / max(rigidity, 1e-300), abs(e[5]) * a**3 + abs(e[6]) * a**4
+            # A shift of y changes the curvature by a relative (2 y/a)^2 and the half-width by half of that.
+            is_small = 2 * y * y < GUESS_TOLERANCE * a * a
+            is_accurate = is_accurate and is_small and 4 * rest < GUESS_TOLERANCE * rigidity
+            crest[count], place[0, count], place[1, count] = k, step * y if is_small else 0.0, step * a
+            count += 1
+    return crest[:count], place[0, :count], place[1, :count], is_accurate
 
 
 @kernel
@@ -273,14 +307,7 @@ def _solve(matrix: NDArray[np.float64], right: Array) -> Array:
 
 @kernel
 def _forces_on_crests(
-    position: Array,
-    offset: Array,
-    curvature: Array,
-    expansion: NDArray[np.float64],
-    step: float,
-    period: float,
-    total: float,
-    widest: float,
+    position: Array, offset: Array, expansion: Expansions, step: float, period: float, total: float, widest: float
 ) -> Array:
     """Return the forces of Hertzian contacts on crests, shape (crests,); all 0 if they are not found.
 
@@ -304,9 +331,7 @@ def _forces_on_crests(
         # The displacements by the forces on all crests and the plane add up to the height of each crest.
         for i in range(count):
             k = crest[i]
-            bend, quartic = 0.25 * max(curvature[k], 0.0), -expansion[k, 4] / step**4
-            root = np.sqrt(max(bend * bend + 3 * quartic * force[k], 1e-300))
-            own = 1 + _displacement_of_punch(min(np.sqrt(2 * force[k] / (bend + root)), widest), period)
+            own = 1 + _displacement_of_punch(step * _half_width(expansion[k], force[k], 1.0, widest / step), period)
             for j in range(count):
                 x = position[k] - position[crest[j]]
                 matrix[i, j] = OFFSET + (own if i == j else displacement_at_distance(x, period))

@@ -45,7 +45,6 @@ class CosineSeries(NamedTuple):
     crest_position : positions of the crests, in lambda_0, increasing, shape (crests,)
     crest_node, node_offset : the node nearest to each crest, and how far the crest is from it, in steps, at most 1/2,
         shape (crests,)
-    crest_curvature : -S'' at each crest, shape (crests,)
     crest_offset : S at each crest minus the maximum of S, <= 0, in the unit of S, shape (crests,)
     maximum : S at the highest crest
     largest_curvature : |S''| that the waves can have together
@@ -60,7 +59,6 @@ class CosineSeries(NamedTuple):
     crest_position: Array
     crest_node: Indices
     node_offset: Array
-    crest_curvature: Array
     crest_offset: Array
     maximum: float
     largest_curvature: float
@@ -131,7 +129,6 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
         position,
         crests.node[order],
         crests.offset[order],
-        -2 * about[:, 2] / step**2,
         offset,
         maximum,
         float(np.abs(amplitude) @ wavenumber**2),
@@ -213,12 +210,13 @@ def first_from(x: Array, value: float) -> int:
 def _nearest_crests(crest: Array, period: float, x: Array) -> tuple[Indices, Array]:
     nearest, y = np.empty(x.size, np.int64), np.empty(x.size)
     for i in range(x.size):
-        nearest[i], y[i] = _nearest_crest(crest, period, x[i])
+        nearest[i], y[i] = nearest_crest(crest, period, x[i])
     return nearest, y
 
 
 @kernel
-def _nearest_crest(crest: Array, period: float, x: float) -> tuple[int, float]:
+def nearest_crest(crest: Array, period: float, x: float) -> tuple[int, float]:
+    """Return the crest nearest to one position, and the distance from it."""
     after, nearest, y = first_from(crest, x - period * np.floor(x / period)), 0, np.inf
     for neighbour in ((after - 1) % crest.size, after % crest.size):
         distance = x - crest[neighbour]
@@ -233,7 +231,7 @@ def evaluate_near(local: Local, crest: Array, period: float, x: Array) -> Array:
     """Return S - max S at positions x on the periodic line, from the positions of the crests."""
     value = np.empty(x.size)
     for i in range(x.size):
-        value[i] = evaluate_series(local, *_nearest_crest(crest, period, x[i]))[0]
+        value[i] = evaluate_series(local, *nearest_crest(crest, period, x[i]))[0]
     return value
 
 

@@ -119,7 +119,7 @@ def are_thin(negative: Records, thinness: float) -> Flags:
 
 
 def with_cracks(
-    state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces, tensions: Records, residual: float
+    state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces, tensions: Records, residual: Array
 ) -> tuple[ContactState, Records]:
     """Return a state with the thin gaps in its intervals of tension, and the other intervals.
 
@@ -129,7 +129,7 @@ def with_cracks(
         return state, tensions
     kind, period = state.kind, series.period
     tail = coefficient_tails(state.segments, state.coefficient)
-    is_certain = kind.are_certain(tensions, tail, residual, state.load)
+    is_certain = kind.are_certain(tensions, tail, float(residual.max()), state.load)
     contacts = kind.contacts_of(state.segments.extent, period)
     contact, t, reach = kind.tensions(contacts, tensions[is_certain], period).T
     order = np.lexsort((t, contact))
