@@ -27,3 +27,14 @@ def test_estimates_lie_within_all_bounds_and_close_in(resolved):
     assert deviation[-1] < deviation[0] / 3
     # Far better than the certificate, which is half as wide as the bounds.
     assert all(own < 0.75 * (one.high - one.low).max() / 2 for own, one in zip(deviation, resolved, strict=False))
+
+
+def test_rows_tell_seeds_apart_and_the_last_estimate_has_no_error():
+    one, two = (Profile(1.25, 2, np.inf, seed=seed) for seed in (1, 2))
+    heights = np.array([[0.1, 0.4], [0.3, 0.8]])
+    found = [convergence.Resolved(terms, 12 * terms, heights - 0.1 / terms, heights + 0.1) for terms in (1, 2)]
+    assert [*convergence.rows(one, found)] == [
+        ["D = 1.25, gamma = 2, m = inf, seed = 1", "1", "12", "1.0e-01", "2.5e-02"],
+        ["D = 1.25, gamma = 2, m = inf, seed = 1", "2", "24", "7.5e-02", ""],
+    ]
+    assert next(convergence.rows(two, found))[0].endswith("seed = 2")

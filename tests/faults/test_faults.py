@@ -193,14 +193,15 @@ def test_a_damaged_segment_and_a_folder_closed_to_writing_are_named(checkout, un
     """The segment's curves are solved again once it is moved away."""
     forget(checkout, *PRODUCTS)
     results = checkout / "results"
-    with mounted(results, "--bind", results):
-        subprocess.run(["mount", "-o", "remount,ro,bind", results], check=True)
-        code, said = run(checkout)
-        plan = run(checkout, "-n")
-    assert code != 0
-    assert "is closed to writing): name another file, in a folder that you can write to" in said
-    assert plan[0] == 0, plan[1]
-    assert "test: contact.nc" in plan[1]
+    for folder in (results, results / "test"):
+        with mounted(folder, "--bind", folder):
+            subprocess.run(["mount", "-o", "remount,ro,bind", folder], check=True)
+            code, said = run(checkout)
+            plan = run(checkout, "-n")
+        assert code != 0
+        assert "is closed to writing): name another file, in a folder that you can write to" in said
+        assert plan[0] == 0, plan[1]
+        assert "test: contact.nc" in plan[1]
     path = next(results.glob("curves/demelio*/*/*.npz"))
     path.write_bytes(path.read_bytes()[:500])
     code, said = run(checkout)

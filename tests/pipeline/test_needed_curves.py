@@ -137,3 +137,20 @@ def test_jobs_share_the_seconds_of_curves_whatever_others_have_solved_meanwhile(
         full.store.append(part.kind, {key: {} for key in part.keys[::2]}, "test")
     for now, before in zip(shares(), first, strict=True):
         assert set() < set(named(now)) < set(named(before))
+
+
+def test_jobs_share_the_curves_of_one_more_seed(tmp_path):
+    """As the others are solved, the order of cases would deal all of them to one job."""
+
+    def curves(seeds):
+        changes = product(D=np.linspace(1.1, 1.9, 9).tolist(), seed={"from": 1, "to": seeds, "count": seeds})
+        return curves_in(scene_in(tmp_path, SCENE | {"methods": ["bem"]} | changes), tmp_path / "curves")
+
+    before = curves(39)
+    for part in before.store.lacking(before.parts_for()):
+        before.store.append(part.kind, {key: {} for key in part.keys}, "test")
+    more = curves(40)
+    shares = [more.store.lacking(share(more.parts_for(), number, 4)) for number in range(4)]
+    own = [sum(len(part.keys) for part in parts if part.kind.method == "bem") for parts in shares]
+    assert sum(own) == 18
+    assert max(own) <= 9

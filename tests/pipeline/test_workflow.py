@@ -85,6 +85,13 @@ def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_i
     assert [own.minutes(job, attempt) for attempt in (1, 2)] == [630, 1260]
 
 
+def test_kernels_of_numerical_methods_are_compiled_in_shares_before_their_curves(folder, monkeypatch):
+    change(folder, "bem]", "bem, patches]")
+    for disabled, expected in (("0", ["bem.curves", "patches.curves", "patches.others"]), ("1", [])):
+        monkeypatch.setenv("NUMBA_DISABLE_JIT", disabled)
+        assert [Path(kernels).name for kernels in plan().kernels(of(what="test~one"))] == expected
+
+
 def test_a_wrong_scene_ends_in_one_sentence(folder):
     change(folder, "1.25, gamma: 5, m: [1", "2.25, gamma: 5, m: [1")
     for function in (lambda: plan().all_files(of()), lambda: solved(plan(), "one")):

@@ -59,9 +59,12 @@ def measure(profile: Profile, loads: Array, max_terms: int) -> list[Resolved]:
 
 def rows(profile: Profile, resolved: Sequence[Resolved]) -> Iterator[list[str]]:
     """Yield the largest half-width of the bounds over the loads, and the distance from the last estimate."""
+    seed, last = profile.labels["seed"], resolved[-1]
+    name = profile.describe() + ("" if np.isnan(seed) else f", seed = {seed:.0f}")
     for one in resolved:
-        width, error = (one.high - one.low).max() / 2, np.abs(one.estimate - resolved[-1].estimate).max()
-        yield [profile.describe(), str(one.terms), f"{one.nodes:.0f}", number(width, ".1e"), number(error, ".1e")]
+        width = (one.high - one.low).max() / 2
+        error = np.nan if one is last else np.abs(one.estimate - last.estimate).max()
+        yield [name, str(one.terms), f"{one.nodes:.0f}", number(width, ".1e"), number(error, ".1e")]
 
 
 @measurement("The infinite series, by the terms that are resolved")
