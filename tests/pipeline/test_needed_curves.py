@@ -106,16 +106,6 @@ def test_another_order_of_phases_is_another_surface(tmp_path):
     assert own[0] != own[1]
 
 
-def test_jobs_share_the_curves_of_one_more_seed(tmp_path):
-    """Which alone are missing: dealt in the order of cases, all of them would meet the same job."""
-    changes = product(D=np.linspace(1.1, 1.9, 9).tolist(), seed={"from": 1, "to": 40, "count": 40})
-    parts = curves_in(scene_in(tmp_path, SCENE | {"methods": ["bem"]} | changes), tmp_path / "curves").parts_for()
-    seeds = [np.concatenate([part.positions for part in share(parts, job, 4)[1:]]) % 40 for job in range(4)]
-    missing = [np.count_nonzero(own == 39) for own in seeds]
-    assert sum(missing) == 18
-    assert max(missing) <= 9
-
-
 def test_jobs_share_the_seconds_of_curves_whatever_others_have_solved_meanwhile(tmp_path):
     """Each curve once, also one that two studies have, and curves of one kind by different jobs."""
     long = {"product": PRODUCT | {"m": [1, 2, 3, 4], "seed": {"from": 1, "to": 10, "count": 10}}}
