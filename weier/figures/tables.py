@@ -98,7 +98,8 @@ def table_of(tables: Sequence[Values]) -> pd.DataFrame:
         columns: dict[str, Any] = {"case": first + np.arange(size), "study": number, "row": np.arange(size)}
         traced, seeded = np.array([name != "" for name in names]), np.isfinite(seeds)
         for name in PARAMETERS:
-            columns[name] = np.where(traced, None, study[name].values.astype(float))
+            columns[name] = study[name].values.astype(float).astype(object)
+            columns[name][traced] = None
         columns |= {"trace": _objects(names), "phases": _objects(phases), "seeded": seeded}
         columns["seed"] = np.where(seeded, seeds, columns["phases"])
         cases, first = pd.DataFrame(columns), first + size
