@@ -100,8 +100,8 @@ class CurvesAccessor:
 
         The cases of an ensemble belong to one study and differ in their phases, seed or file of heights alone: series
         have the same D, gamma and m; traces the same ends, removed form and `shortest`, within 1 %; random lines also
-        the same Hurst exponent, roll-off, length and height. A surface that a list or a scene gives twice, by the same
-        seed or phases, counts once.
+        the same Hurst exponent, roll-off, length and height. A surface that a list or a scene gives twice, by the
+        same seed or phases, counts once.
 
         Returns
         -------
