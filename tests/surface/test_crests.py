@@ -84,6 +84,17 @@ def test_the_highest_crest_is_exact_where_it_is_flat():
     assert seen > 30
 
 
+@pytest.mark.parametrize("fine", [0.1, 1e-4, 1e-10])
+@pytest.mark.parametrize("long_waves", [0, 31])
+def test_the_highest_crest_between_samples_is_found_beside_lower_ones_on_samples(fine, long_waves):
+    """Its samples, half a step off, are lower by 0.019, the next crest, which a sample meets, by 0.019 of `fine`."""
+    waves = np.append(np.arange(1, long_waves + 1), [32, 33])
+    amplitude = np.append(np.full(long_waves, 1e-30), [1, fine])
+    x, z = highest_crest(amplitude, waves.tolist(), -2 * np.pi * waves * 0.5 / (16 * 33), 1)
+    assert z == pytest.approx(1 + fine, rel=0, abs=4 * EPS)
+    assert x == pytest.approx(0.5 / (16 * 33), abs=1e-9)
+
+
 @pytest.mark.parametrize("n", [1, 2, 3, 6, 12, 40])
 def test_the_highest_crest_of_a_plateau(n):
     """1 - sin^2n(x/2), of n waves, which is flat to rounding about its crest, in up to an eighth of the period."""

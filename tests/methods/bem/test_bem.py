@@ -100,6 +100,8 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
     loads = np.geomspace(1e-3, 5, 12)
     found, dense = (solve(THREE_WAVES, loads, points, staircase="kept") for solve in (bem.curve, dense_curve))
     assert found.compliance == pytest.approx(dense.compliance, abs=1e-9)
+    with pytest.raises(ValueError, match="points must be a whole number, from 51 to 10000000, got 50"):
+        bem.curve(THREE_WAVES, loads, 50)
 
 
 @pytest.mark.parametrize(
