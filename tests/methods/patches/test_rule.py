@@ -24,7 +24,7 @@ def placed(first, r, period, dual):
     """The nodes of segments that are 0.01 L apart: offsets, factors and diagonal."""
     middle = np.cumsum(2 * r + 0.01 * period) - r
     shift = KINDS[dual].shift
-    gap, (offset, left, diagonal), is_apart = place_nodes(first, np.zeros(r.size), middle, r, period, shift, dual)
+    gap, (offset, left, diagonal, _), is_apart = place_nodes(first, np.zeros(r.size), middle, r, period, shift, dual)
     np.testing.assert_allclose(gap[:-1], 0.01 * period)
     np.testing.assert_allclose(2 * r.sum() + gap.sum(), period)
     assert is_apart == (gap[-1] > 0)

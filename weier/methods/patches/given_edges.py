@@ -43,7 +43,7 @@ class Punches(NamedTuple):
 
     segments : in order round the period; only the number of their nodes is used
     gap : distance from the right edge of each segment to the next segment, in lambda_0, shape (segments,)
-    nodes : result of `place_nodes`, shape (3, nodes)
+    nodes : result of `place_nodes`, shape (4, nodes)
     period : L, in lambda_0
     kind : `CONTACTS` or `GAPS`
     rule, matrix : self-influences and kernel between all nodes, for conjugate gradients; None for a direct
@@ -100,8 +100,7 @@ def make_punches(segments: Segments, period: float, kind: Kind, most: int | None
     punches = Punches(segments, gap, nodes, period, kind)
     if nodes.shape[1] <= (MAX_DIRECT if most is None else most):
         return punches
-    middle = np.repeat(segments.middle, segments.node_count)
-    matrix = make_pair_matrix(middle, punches.offset, period, kind.is_slope)
+    matrix = make_pair_matrix(nodes[3], punches.offset, period, kind.is_slope)
     return punches._replace(rule=make_rule(segments.first_node, kind), matrix=matrix)
 
 
@@ -121,7 +120,7 @@ def _equations(
 
     table : result of `self_influence_tables`
     """
-    (origin, centre, _, first), (offset, left, diagonal), n = segments, nodes, forcing.size
+    (origin, centre, _, first), (offset, left, diagonal, _), n = segments, nodes, forcing.size
     is_slope, shift, _, hankel_sign, factor, more, _, _ = numbers
     matrix, right = np.empty((n, n)), np.empty((2, n))
     for i in range(centre.size):
@@ -245,9 +244,10 @@ def _solve_iteratively(
 
 def force_field(punches: Punches, force: Array, x: Array) -> Array:
     """Return the effect of the forces at ascending positions: a displacement, in g_0, or a pressure, in p_0*."""
-    middle, none = punches.at_nodes(punches.segments.middle), np.zeros(x.size)
+    middle, none = punches.nodes[3], np.zeros(x.size)
     total = potential(middle, punches.offset, force, none, x, punches.period, punches.kind.is_slope)
-    return np.asarray(punches.kind.factor(punches.period) * total)
+    total *= punches.kind.factor(punches.period)
+    return total
 
 
 def expansion(punches: Punches, force: Array) -> Array:

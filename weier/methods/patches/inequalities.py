@@ -357,13 +357,14 @@ def find_missing(
     times that of the interval in which the parabola is negative. A new gap opens by more than `opening`, in g_0.
     """
     punches, kind, series = step.punches, problem.kind, problem.series
-    highest = kind.uniform(step.forces.plane) - problem.highest
+    highest = kind.uniform(step.forces.plane) - problem.highest - margin
 
     # The gap d - z - 2 sum f ln|2 sin|, or the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
     def residual(x: Array) -> Array:
         total = force_field(punches, step.forces.force, x)
-        forcing = evaluate_near(series.local, series.crest_position, series.period, x)
-        return np.asarray(highest + total - forcing) - margin
+        total -= evaluate_near(series.local, series.crest_position, series.period, x)
+        total += highest
+        return total
 
     limit = tolerance + margin
     is_regular = step.largest < opening

@@ -64,17 +64,18 @@ def place_nodes(
     """Return the gap on the right of each segment, the nodes, and whether no two segments overlap.
 
     The nodes have rows: offset from the middle of the segment, `left`, and the entry on the diagonal of the
-    self-influence in addition to X: for gaps, the rest of 1/sin^2 without its pole, 1/3, less 1/(4 sin^2 theta).
+    self-influence in addition to X: for gaps, the rest of 1/sin^2 without its pole, 1/3, less 1/(4 sin^2 theta); and
+    that middle.
     """
-    nodes = np.empty((3, first_node[-1]))
-    offset, left, diagonal = nodes
+    nodes = np.empty((4, first_node[-1]))
+    offset, left, diagonal, middle = nodes
     gap, is_apart = distances_between(origin, centre, r, period), True
     for j in range(r.size):
         is_apart = is_apart and r[j] > 0 and gap[j] > 0
         first, K = first_node[j], first_node[j + 1] - first_node[j]
         for i in range(K):
             angle, q = np.pi * (2 * i + shift) / (2 * (K + shift - 1)), first + i
-            offset[q], sine = -r[j] * np.cos(angle), np.sin(angle)
+            offset[q], middle[q], sine = -r[j] * np.cos(angle), origin[j] + centre[j], np.sin(angle)
             if is_slope:
                 left[q] = period / (np.pi * r[j] * sine)
                 diagonal[q] = 1 / 3 - (0.5 * left[q] / sine) ** 2
