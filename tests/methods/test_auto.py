@@ -7,7 +7,7 @@ import pytest
 
 import weier
 from tests.scenes import scene_in
-from weier.methods import patches
+from weier.methods import auto, patches
 from weier.methods.errors import OutOfReachError
 from weier.methods.method import TOLERANCES
 from weier.surface.profile import Profile, random_phases
@@ -203,3 +203,12 @@ def test_no_method_means_auto_once_there_is_a_tolerance():
     several = weier.solve([THREE, INFINITE], [0.1], tolerance=0.1)
     assert several.solution_method.values.tolist() == ["auto"]
     assert np.all(several.compliance_error <= 0.1)
+
+
+def test_expected_seconds_are_those_of_the_method_that_is_chosen():
+    for surface, method in ((INFINITE, "patches"), (THREE, "bem")):
+        choice = weier.choose(surface, 1e-2)
+        assert choice.method.name == method
+        expected = choice.method.seconds(choice.kept, LOADS, **choice.settings)
+        assert auto.METHOD.seconds(surface, LOADS, tolerance=1e-2) == expected > 0
+    assert auto.METHOD.seconds(Profile(1.95, 2, math.inf), LOADS) == math.inf  # out of reach

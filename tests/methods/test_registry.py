@@ -74,6 +74,13 @@ def test_settings_are_taken_in_their_range_and_refused_beyond_it(method, name):
             check(value)
 
 
+def test_no_two_methods_look_alike():
+    """The two numerical ones have the same line: the second is drawn as points beside the first."""
+    count = len(registry.METHODS)
+    features = zip(*(method.style for method in registry.METHODS), strict=True)
+    assert [len(set(own)) for own in features] == [count - 1, count - 1, count]
+
+
 @every_method
 def test_what_a_method_returns_is_known_before_it_runs_and_is_in_the_table(method):
     """The method "auto" passes on what that of its choice returns."""

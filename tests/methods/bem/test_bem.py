@@ -87,6 +87,11 @@ def test_the_solution_of_one_wave_is_westergaards():
     assert np.median(error) <= 1e-4
 
 
+def test_points_are_given_for_each_of_the_finest_waves():
+    """The finest of gamma = 5/2, m = 3 fits 25 times into the period, which is 4."""
+    assert weier.solve(Profile(1.25, "5/2", 3, 1.0), [0.3], "bem", points_per_wave=16).points == 400
+
+
 def test_there_is_space_for_contact_at_every_other_node():
     solver = active_set.NestedSolver(Profile(1.9, 10, 2), 21, 1e-10)
     contact = solver.solve_discrete(2.3, False).contact

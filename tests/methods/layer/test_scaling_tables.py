@@ -9,7 +9,7 @@ import pytest
 
 from weier import ConvergenceError, Profile
 from weier.methods import layer
-from weier.methods.layer import nonlinear_layer, scaling_tables
+from weier.methods.layer import fixed_point, nonlinear_layer, scaling_tables
 from weier.methods.layer.nonlinear_layer import ACCURACY, POINTS
 from weier.methods.layer.scales import model_of
 from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS, MIN_LOADS
@@ -29,6 +29,21 @@ def test_the_steepest_cubic_between_two_rows_is_flat_in_the_middle():
     closure = scaling_tables.closure_from_table(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.array([3.5, 9.0]))
     x = np.linspace(0, 1, 5)
     np.testing.assert_allclose(closure.cubics(x), 3 * x - 6 * x**2 + 4 * x**3, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("m", "name", "limit", "says"),
+    [
+        (3, "MAX_ROWS", 40, "still off by .* rows, above .*, its part of the accuracy"),
+        (math.inf, "MAX_ROWS", 40, "still off by .* rows, above .*, its part of the accuracy"),
+        (math.inf, "MAX_STEPS", 3, "D = 1.25 and gamma = 5 still changes by .*: choose"),
+    ],
+)
+def test_a_table_that_misses_the_accuracy_is_refused(monkeypatch, m, name, limit, says):
+    for module in (scaling_tables, fixed_point):
+        monkeypatch.setattr(module, name, limit, raising=False)
+    with pytest.raises(ConvergenceError, match=says):
+        layer.curve(Profile(1.25, 5, m), [0.1, 0.2])
 
 
 def test_too_many_scales_are_refused():
