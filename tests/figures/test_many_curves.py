@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 
 from tests.scenes import blank
 from weier import figures
-from weier.data.bodies import Bodies
 from weier.figures import interpolation, many_curves, tables
 from weier.scene import Figure as Wanted
 from weier.scene import Grouping
@@ -76,28 +75,6 @@ def test_a_scene_may_set_the_scale_of_loads(sweep) -> None:
         assert axes.get_xscale() == scale
         assert (axes.get_xlim()[0] == 0) == (scale == "linear")
         axes.figure.draw_without_rendering()
-
-
-def test_units_are_si_where_a_scene_has_the_two_bodies(sweep) -> None:
-    """Lines, bands, ends and words change together: each point is that of `Bodies` for the normalised one."""
-    bodies = Bodies(mu_1=45e9, mu_2=75e9, nu_1=0.34, nu_2=0.3, rho_1=2e-8, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
-    grouping = Grouping("gamma", ("method",), ("seed",))
-    in_pascal = sweep.assign_coords(mean_pressure=("mean_pressure", bodies.pressure(LOADS), {"units": "Pa"}))
-    normalised, converted = (
-        figures._drawn(Wanted("resistance", grouping=grouping, interface=interface), [data])
-        for interface, data in ((None, sweep), (bodies, in_pascal))
-    )
-    for before, after in zip(normalised.axes, converted.axes, strict=True):
-        for one, other in zip(before.get_lines(), after.get_lines(), strict=True):
-            np.testing.assert_allclose(other.get_xdata(), bodies.pressure(one.get_xdata()))
-            np.testing.assert_allclose(other.get_ydata(), bodies.resistance(one.get_ydata()))
-        for one, other in zip(before.collections, after.collections, strict=True):
-            vertices = [band.get_transform().transform(band.get_paths()[0].vertices) for band in (one, other)]
-            np.testing.assert_allclose(*vertices)  # the same pixels
-        np.testing.assert_allclose(after.get_xlim(), bodies.pressure(before.get_xlim()))
-        np.testing.assert_allclose(after.get_ylim(), bodies.resistance(before.get_ylim()))
-    assert converted.axes[0].get_ylabel().endswith(r"($\Omega\,$m$^2$)")
-    assert [axes.get_xlabel()[-4:] for axes in converted.axes] == ["(Pa)", "(Pa)"]
 
 
 def test_an_error_is_a_band_where_it_can_be_seen_and_else_it_is_left_out(sweep: xr.Dataset) -> None:

@@ -225,9 +225,7 @@ def test_the_same_pressures_in_another_unit_make_all_products_again(tmp_path):
 def test_each_key_of_a_scene_is_above():
     from weier.scene.models import SceneKeys, StudyKeys
 
-    known = {
-        f"{part}{key}" for part, names in (("", SceneKeys.keys()), ("study.", StudyKeys.keys())) for key in names
-    }
+    known = {*SceneKeys.model_fields, *(f"study.{key}" for key in StudyKeys.model_fields)}
     assert known == KEYS.keys()
 
 

@@ -102,6 +102,8 @@ def test_figures_are_in_si_units(solved):
         # A compliance between two loads is drawn within these, and the last resistance may be 0.
         assert np.array(at) == pytest.approx(np.array(wanted), rel=1e-9), name
         assert axes.get_xlabel().endswith("(MPa)")
+        unit = {"compliance": "(m)", "resistance": r"($\Omega\,$m$^2$)"}[quantity]
+        assert axes.get_ylabel().endswith(unit)
         assert values.as_csv(axes.figure).splitlines()[0].split(",")[2] == "mean pressure p (MPa)"
         assert extent.first_load == pytest.approx(5)
 
