@@ -1,4 +1,4 @@
-"""Options of a command as a call of `weier.solve` or `weier.Interface.solve`."""
+"""The one place that turns options of a command into the arguments of `weier.solve` or `weier.Interface.solve`."""
 
 from __future__ import annotations
 
@@ -10,19 +10,22 @@ import click
 import numpy as np
 import xarray as xr
 
+from weier import units
 from weier.api.interface import Interface
 from weier.api.solve import solve_under
 from weier.api.task import Known
-from weier.cli.options import NEEDED, SERIES, Pressures
+from weier.cli.options import LISTS, NEEDED, SERIES
 from weier.data.si import with_pressures_in
 from weier.data.variables import LOADS, Status
 from weier.kernels.arrays import Array
 from weier.methods.load_progress import INTERRUPTIONS
-from weier.methods.registry import default_method
+from weier.methods.registry import default_method, find_method
 from weier.methods.settings import TOLERANCE
 from weier.scene import BY_DEFAULT, Figure, Grouping
 from weier.scene.case import read_traces
+from weier.scene.trace_keys import TRACE_KEYS
 from weier.scene.yaml import parse_yaml
+from weier.surface.loads import listed_loads
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves
@@ -54,21 +57,34 @@ class Call(NamedTuple):
         cls,
         surfaces: Sequence[Waves],
         bodies: Path | None,
-        given: Array | Pressures,
+        pressures: str | None,
+        loads: str | None = None,
+        default_loads: str = "",
         methods: Sequence[str] = (),
         tolerance: float | None = None,
-        settings: Iterable[tuple[str, str, Any]] = (),
+        settings: Iterable[str] = (),
     ) -> Call:
-        """Return the call for the options of a command; `given` are loads, or pressures and their unit."""
-        both = None if bodies is None else read_bodies(bodies)
-        loads, unit = given if isinstance(given, tuple) else (given, "")
-        if both is not None and not isinstance(given, tuple):
-            loads = both.at(surfaces[0]).pressure(loads)
+        """Return the call for the options of a command."""
+        if pressures is not None and loads is not None:
+            raise click.UsageError("loads are given once, got --pressures and --loads")
+        if pressures is not None and bodies is None:
+            raise click.UsageError("--pressures are in Pa: name the two bodies by --si, or take --loads, in p_0*")
+        both, unit = None if bodies is None else read_bodies(bodies), ""
+        if pressures is None:
+            text = default_loads if loads is None else loads
+            values, _ = listed_loads(units.listed("loads", text, units.NORMALISED_PRESSURE)[0], "loads")
+            values = values if both is None else both.at(surfaces[0]).pressure(values)
+        else:
+            given, unit = units.listed("pressures", pressures, units.PASCAL)
+            values, _ = listed_loads(given, "pressures", units.PASCAL)
+            if not unit:
+                click.echo(f"--pressures {pressures}: taken in Pa, since no unit is given", err=True)
         methods = methods or [default_method(*surfaces, within_tolerance=tolerance is not None)]
         by_method: dict[str, Any] = {} if tolerance is None else {TOLERANCE: tolerance}
-        for method, name, value in settings:
+        for text in settings:
+            method, name, value = _setting(text)
             by_method.setdefault(method, {})[name] = value
-        return cls(surfaces, np.unique(loads), list(methods), by_method, both, unit)
+        return cls(surfaces, values, list(methods), by_method, both, unit)
 
     def own_loads(self, surface: Waves) -> Array:
         """Return these loads in p_0* for a surface."""
@@ -132,25 +148,57 @@ def read_bodies(path: Path) -> Interface:
         raise ValueError(f"{path}: {error}") from None
 
 
-def surface_of(trace_file: Path | None, options: Mapping[str, Any]) -> Waves:
-    """Return the series or the trace of the options of a command."""
-    given = {name: value for name, value in options.items() if value is not None}
-    series = {name: given.pop(name) for name in SERIES if name in given}
+def profile_call(default_loads: str, plotted: Sequence[str] = (), **given: Any) -> Call:
+    """Return the call for the options of one profile, by the methods `plotted` that apply if none is given."""
+    trace_file, of_surface = given.pop("trace_file"), {name: given.pop(name, None) for name in (*SERIES, *TRACE_KEYS)}
+    surface = _surface(trace_file, {name: value for name, value in of_surface.items() if value is not None})
+    given["methods"] = given["methods"] or [name for name in plotted if find_method(name).takes(surface)]
+    return Call.of([surface], default_loads=default_loads, **given)
+
+
+def _surface(trace_file: Path | None, given: Mapping[str, Any]) -> Waves:
+    """Return the series or the trace of the options that are given."""
+    series = {name: value for name, value in given.items() if name in SERIES}
+    others = [f"--{name.replace('_', '-')}" for name in given if name not in SERIES]
     if trace_file is not None:
         if series:
             raise click.UsageError(f"a trace has no {', '.join(series)}: take --trace or a series")
         if len(lines := traces_of(trace_file, given)) > 1:
             raise click.UsageError(f"{trace_file} has {len(lines)} lines: name one by --line")
         return lines[0]
-    if given:
-        raise click.UsageError(
-            f"--{next(iter(given)).replace('_', '-')} is an option of traces: name a file by --trace"
-        )
+    if others:
+        raise click.UsageError(f"{others[0]} is an option of traces: name a file by --trace")
     if missing := [option for option, name in NEEDED.items() if name not in series]:
         raise click.UsageError(f"a profile takes -D, --gamma and -m, or --trace; missing: {', '.join(missing)}")
+    if "phases" in series:
+        phases = _numbers("phases", series["phases"])
+        series["phases"] = phases if len(phases) > 1 else phases[0]
     return Profile(**series)
 
 
 def traces_of(file: Path, options: Mapping[str, Any]) -> list[Trace]:
     """Return the lines of a file by the options of a command, or the gaps to the line of another body."""
-    return read_traces({"file": str(file)} | {name: value for name, value in options.items() if value is not None})
+    given = {name: value for name, value in options.items() if value is not None}
+    lists = {name: _numbers(name, given[name], TRACE_KEYS[name].kind) for name in LISTS if name in given}
+    return read_traces({"file": str(file), **given, **lists})
+
+
+def _numbers(name: str, text: str, kind: type = float) -> list[Any]:
+    """Return numbers with commas between."""
+    try:
+        return [kind(part) for part in text.split(",")]
+    except ValueError:
+        what = "whole numbers" if kind is int else "numbers"
+        raise ValueError(f"{name} must be {what} with commas between, got {text!r:.80}") from None
+
+
+def _setting(text: str) -> tuple[str, str, Any]:
+    """Return method, name and value from a text such as "bem.points_per_wave=32"."""
+    name, _, value = text.partition("=")
+    method, _, setting = name.partition(".")
+    if not (method and setting and value):
+        raise ValueError(f'a setting must read "method.name=value", such as layer.points=48, got {text!r:.80}')
+    try:
+        return method, setting, parse_yaml(value)
+    except ValueError as error:
+        raise ValueError(f"the value of the setting {method}.{setting} cannot be read: {error}") from None

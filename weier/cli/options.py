@@ -1,41 +1,18 @@
-"""Common arguments and options of commands, and how their texts are read."""
+"""Common options of commands. `weier.cli.call` reads their texts, and the library checks their values."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 
-from weier import units
-from weier.checks import checked_numbers
 from weier.data.files import check_target
 from weier.kernels.arrays import Array
 from weier.methods.method import TOLERANCES
 from weier.methods.registry import EXACT, METHODS, PLOTTED, WITHIN_TOLERANCE, infinite_names, names
 from weier.methods.settings import described
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
-from weier.scene.yaml import parse_yaml
-from weier.surface.loads import positive_loads
-
-Pressures = tuple[Array, str]  # values in Pa, and the unit given first, or empty
-
-
-class Text(click.ParamType):  # type: ignore[type-arg]  # not generic in click 8.1
-    """A text that a function reads; its ValueError is wrong usage."""
-
-    name = "text"
-
-    def __init__(self, read: Callable[[str], Any]) -> None:
-        self.read = read
-
-    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return what the function reads."""
-        try:
-            return self.read(value)
-        except ValueError as error:
-            self.fail(str(error), param, ctx)
 
 
 class Output(click.Path):
@@ -65,44 +42,12 @@ def check_line(loads: Array) -> None:
         raise click.BadParameter("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
 
 
-def read_loads(text: str) -> Array:
-    """Return positive loads from a text such as "0.1,1" or "1e-3:4:40"."""
-    return positive_loads(units.listed("loads", text, units.NORMALISED_PRESSURE)[0])
-
-
-def _read_pressures(text: str) -> Pressures:
-    values, unit = units.listed("pressures", text, units.PASCAL)
-    if not unit:
-        click.echo(f"--pressures {text}: taken in Pa, since no unit is given", err=True)
-    return checked_numbers("pressures", values, "be positive", lambda p: p > 0), unit
-
-
-def _parts(text: str, kind: Callable[[str], Any], what: str) -> list[Any]:
-    """Return values with commas between; ValueError says what they should be."""
-    try:
-        return [kind(part) for part in text.split(",")]
-    except ValueError:
-        raise ValueError(f"expected {what} with commas between, got {text!r:.80}") from None
-
-
-def _read_phases(text: str) -> float | list[float]:
-    phases = _parts(text, float, "numbers")
-    return phases if len(phases) > 1 else phases[0]
-
-
-def _read_setting(text: str) -> tuple[str, str, Any]:
-    """Return method, name and value from a text such as "bem.points_per_wave=32"."""
-    name, _, value = text.partition("=")
-    method, _, setting = name.partition(".")
-    if not (method and setting and value):
-        raise ValueError(f'a setting must read "method.name=value", such as layer.points=48, got {text!r:.80}')
-    return method, setting, parse_yaml(value)
-
-
 # The required options of a series, and all of its parameters.
 NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}
 SERIES = (*NEEDED.values(), "phases", "seed")
-FILE, COUNT = click.Path(path_type=Path), click.IntRange(min=0)
+FILE = click.Path(path_type=Path)
+# Options of traces that take several numbers on the command line; several `shortest` are cases of a scene.
+LISTS = ("columns", "missing_value")
 SI = (
     "This YAML file has the values of weier.Interface, which may have units, as in E_1: 210 GPa; it may be a scene "
     "with the key interface. Traces have their own lambda_0 and g_0."
@@ -118,27 +63,25 @@ SERIES_OPTIONS = (
     ),
     click.Option(
         ["--phases"],
-        type=Text(_read_phases),
         help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
     ),
-    click.Option(["--seed"], type=COUNT, help="Seed of random phases."),
+    click.Option(["--seed"], type=int, help="Seed of random phases."),
 )
 
 
 def _trace_option(name: str, key: TraceKey) -> click.Option:
-    """Return the option of a key of measured heights; several values are separated by commas."""
-    kind: Any = click.Choice(key.kind) if isinstance(key.kind, tuple) else {int: COUNT}.get(key.kind, key.kind)
-    several = key.several and name != "shortest"  # several of these are cases of a scene
-    if several:
-        kind = Text(lambda text: _parts(text, key.kind, "whole numbers" if key.kind is int else "numbers"))
-    words = f"{key.says} Several are separated by commas." if several else key.says.partition(" Several")[0]
-    return click.Option([f"--{name.replace('_', '-')}"], type=kind, help=words)
+    """Return the option of a key of measured heights."""
+    kind = click.Choice(key.kind) if isinstance(key.kind, tuple) else key.kind
+    says = key.says.partition(" Several")[0]
+    if name in LISTS:
+        kind, says = str, f"{says} Several are separated by commas."
+    return click.Option([f"--{name.replace('_', '-')}"], type=kind, help=says)
 
 
 TRACE_OPTIONS = tuple(_trace_option(name, key) for name, key in TRACE_KEYS.items() if name != "longest")
 TOLERANCE_OPTION = click.Option(
     ["--tolerance"],
-    type=click.FloatRange(TOLERANCES.least, TOLERANCES.most, max_open=TOLERANCES.half_open),
+    type=float,
     help=f"Accepted error of the compliance, in g_0, in {TOLERANCES}, for all methods that take one, or for auto.",
 )
 WORKERS_OPTION = click.Option(
@@ -154,7 +97,6 @@ BODIES_OPTIONS = (
     ),
     click.Option(
         ["--pressures"],
-        type=Text(_read_pressures),
         help='With --si, instead of --loads: mean pressures in a unit, as in "1,10MPa" or "1:100:20MPa"; without a '
         "unit in Pa. Results have the unit that is given.",
     ),
@@ -173,7 +115,6 @@ def one_profile_options(default_loads: str) -> list[click.Parameter]:
         *TRACE_OPTIONS,
         click.Option(
             ["--loads"],
-            type=Text(read_loads),
             help=f'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios  [default: {default_loads}].',
         ),
         *BODIES_OPTIONS,
@@ -190,7 +131,6 @@ def one_profile_options(default_loads: str) -> list[click.Parameter]:
             ["--set", "settings"],
             multiple=True,
             metavar="METHOD.NAME=VALUE",
-            type=Text(_read_setting),
             help="Setting of a method, such as bem.points_per_wave=32; repeatable.",
         ),
         WORKERS_OPTION,

@@ -101,7 +101,7 @@ def report(
     everything: bool,
     force: bool,
     bodies: Path | None,
-    pressures: options.Pressures | None,
+    pressures: str | None,
     tolerance: float | None,
     workers: int,
     **trace_options: Any,
@@ -122,8 +122,6 @@ def report(
         if path.resolve() in {file.resolve() for file in files}:
             raise click.BadParameter(f"{path} is one of FILES: name another output")
         options.check_free(path, force)
-        if path.suffix in PICTURES:
-            options.check_line(pressures[0])
         if path.suffix in PACKAGES:
             import_module(PACKAGES[path.suffix])  # an extra installs it; the error names it
     from weier.cli.call import Call, check_solved  # xarray takes half a second, and the help needs none of it
@@ -131,6 +129,8 @@ def report(
 
     lines = _lines(files, trace_options)
     call = Call.of(lines, bodies, pressures, tolerance=tolerance)
+    if any(path.suffix in PICTURES for path in outputs):
+        options.check_line(call.loads)
     curves, stop = call.solve(workers)
     done = curves["compliance"].notnull().all(("solution_method", "mean_pressure")).values
     all_count, lines = len({line.digest for line in lines}), list(compress(lines, done))
