@@ -158,6 +158,20 @@ def named(module, start, end, new):
     return f"{module} | {text.splitlines()[line].strip()} | {old} -> {new}" + f" #{time}" * (time > 1)
 
 
+def every_mutant():
+    """Return all mutants, each with its module."""
+    return [(module, *mutant) for module in SOURCE for mutant in mutants(SOURCE[module])]
+
+
+def known_equivalent(every):
+    """Return the names of the mutants that change no result; SystemExit if the code of one is not there."""
+    lines = (TESTS / "equivalent_mutants.txt").read_text(encoding="utf-8").splitlines()
+    equivalent = {line.rpartition(" | ")[0] for line in lines}
+    if stale := equivalent - {named(*mutant) for mutant in every}:
+        raise SystemExit("\n".join(["equivalent_mutants.txt lists code that is gone:", *sorted(stale)]))
+    return equivalent
+
+
 def main():
     parser = argparse.ArgumentParser(prog="python -m tests.mutants")
     parser.add_argument("count", type=int)
@@ -166,11 +180,8 @@ def main():
     options = parser.parse_args()
     os.environ |= {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1"}
     list(map(importlib.import_module, ("numba", "rocket_fft", "scipy.optimize", "mpmath", "hypothesis")))
-    every = [(module, *mutant) for module in SOURCE for mutant in mutants(SOURCE[module])]
-    lines = (TESTS / "equivalent_mutants.txt").read_text().splitlines()
-    equivalent = {line.rpartition(" | ")[0] for line in lines}
-    if stale := equivalent - {named(*mutant) for mutant in every}:
-        raise SystemExit("\n".join(["equivalent_mutants.txt lists code that is gone:", *sorted(stale)]))
+    every = every_mutant()
+    equivalent = known_equivalent(every)
     chosen = [each for each in every if each[0].startswith(tuple(options.paths)) and "/measured/" not in each[0]]
     table, verdicts = Counter(), ("failed", "endless", "SURVIVES", "equivalent")
     for mutant in random.Random(options.seed).sample(chosen, min(options.count, len(chosen))):
