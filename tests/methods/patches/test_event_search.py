@@ -70,6 +70,15 @@ def test_roots_of_smooth_functions_by_inverse_interpolation():
     assert not np.any(np.isfinite(event_search._root([1.0, 2.0], [0.5, 0.5])))
 
 
+def test_a_search_that_goes_on_to_rounding_changes_no_load_by_1e_12(monkeypatch):
+    """It takes roots that are exact to rounding; interpolations that agree to 1e-9 left 2e-11."""
+    profile = Profile(1.5, 3, 3, 1.0)
+    found = patches.events(profile, 0.01, 3.0)
+    monkeypatch.setattr(event_search, "ROOT_ERROR", 1e-15)
+    exact = patches.events(profile, 0.01, 3.0)
+    np.testing.assert_allclose(found.mean_pressure, exact.mean_pressure, rtol=1e-12)
+
+
 def test_a_search_that_stays_uncertain_ends(monkeypatch):
     monkeypatch.setattr(event_search._Search, "_changes", lambda self, low, high: ([], False))
     with pytest.raises(ConvergenceError, match="remain uncertain after 101 divisions"):
