@@ -311,7 +311,7 @@ def potential(
 
     Both are ascending and within one period.
     """
-    if f.size <= MAX_DIRECT:
+    if f.size <= MAX_DIRECT or at.size <= CHECKED_POINTS:
         return _direct_sums(origin, offset, f, at, at_offset, period, dipoles)
     source, target = make_tree(origin, offset), make_tree(at, at_offset)
     total = _potential(source, f, target, *pair_nodes(target, source, period, False), period, dipoles)

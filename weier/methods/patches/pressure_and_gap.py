@@ -52,21 +52,27 @@ def gauss_nodes(count: int) -> tuple[Array, Array]:
 def cotangent_integrals(segments: SegmentArrays, coefficient: Array, period: float, origin: Array, y: Array) -> Array:
     """Return int rho cot(pi (x-s)/L) ds at any x = origin + y other than a node.
 
-    It is the sum over the nodes, whose cotangents the addition theorem gives, corrected near a segment.
+    It is the sum over the nodes, whose cotangents the addition theorem gives, corrected near a segment. The sines of
+    distances from far segments follow from it, too.
     """
     integral, factor, (start, centre, half_width, first_node) = np.zeros(y.size), np.pi / period, segments
     _, at_node, forces = node_forces(segments, coefficient, False)
+    sine, cosine = np.sin(factor * (origin + y)), np.cos(factor * (origin + y))
+    s, c = np.empty(y.size), np.empty(y.size)
     for j in range(centre.size):
-        r, first, last = half_width[j], first_node[j], first_node[j + 1]
+        r, first, last, middle = half_width[j], first_node[j], first_node[j + 1], factor * (start[j] + centre[j])
         a, node, force = coefficient[first:last], at_node[first:last] - centre[j], forces[first:last]
-        sine, cosine = np.sin(factor * node), np.cos(factor * node)
+        reach, u, v = far_field_from(a.size), np.cos(middle), np.sin(middle)
         for i in range(y.size):
+            s[i], c[i] = sine[i] * u - cosine[i] * v, cosine[i] * u + sine[i] * v
             t = _local_coordinate(start[j], centre[j], r, period, origin[i], y[i])
-            integral[i] += _near_field(a, r * t - node, force, r, t, period, 1)
-            s, c = np.sin(factor * r * t), np.cos(factor * r * t)
-            for q in range(a.size):
-                u, v = cosine[q], sine[q]
-                integral[i] += force[q] * (c * u + s * v) / (s * u - c * v)
+            if abs(t) <= reach:
+                integral[i] += _near_field(a, r * t - node, force, r, t, period, 1)
+                s[i], c[i] = np.sin(factor * r * t), np.cos(factor * r * t)
+        for q in range(a.size):
+            f, u, v = force[q], np.cos(factor * node[q]), np.sin(factor * node[q])
+            for i in range(y.size):  # the compiler vectorises this loop
+                integral[i] += f * (c[i] * u + s[i] * v) / (s[i] * u - c[i] * v)
     return integral
 
 
