@@ -79,6 +79,18 @@ def test_a_search_that_goes_on_to_rounding_changes_no_load_by_1e_12(monkeypatch)
     np.testing.assert_allclose(found.mean_pressure, exact.mean_pressure, rtol=1e-12)
 
 
+def test_contacts_are_interpolated_and_do_not_vanish():
+    state = OneWave(1.0, 0.1, 0.2).state(False)
+
+    def at(load):
+        extent = {"centre": np.full(1, 0.2 + load**2), "half_width": np.full(1, 0.1 * load)}
+        return state._replace(load=load, segments=state.segments._replace(**extent))
+
+    guess = event_search._interpolate_contacts([at(1.0), at(1.5), at(1.2)], 1.1).segments
+    np.testing.assert_allclose([guess.centre, guess.half_width], [[0.2 + 1.1**2], [0.11]], rtol=1e-14)
+    assert event_search._interpolate_contacts([at(1.0), at(1.5)], 0.0).segments.half_width == [0.05]
+
+
 def test_a_search_that_stays_uncertain_ends(monkeypatch):
     monkeypatch.setattr(event_search._Search, "_changes", lambda self, low, high: ([], False))
     with pytest.raises(ConvergenceError, match="remain uncertain after 101 divisions"):

@@ -53,7 +53,7 @@ def test_points_that_are_closer_than_their_positions_tell():
 
 
 @pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize(("count", "targets"), [(1, 5), (500, 1), (2000, 777)])
+@pytest.mark.parametrize(("count", "targets"), [(1, 5), (500, 1), (500, 65), (2000, 777)])
 def test_potential_at_other_points(count, targets, dual):
     source = clustered_points(count, 1.0) if count > 1 else np.array([0.3])
     f = np.random.default_rng(1).random(count)

@@ -271,9 +271,9 @@ class _Search(NamedTuple):
         """Return load and position at which the minimum of the gap (births) or of the pressure (mergers) vanishes.
 
         Contacts are followed from the load where that minimum is positive, the lighter one for births and the
-        heavier one for mergers, to the expected load and on by inverse interpolation. Each state starts from the
-        nearest one in load. Without result if the changes are of both kinds, have no root or different ones, or if
-        edges have jumped: then another event comes first.
+        heavier one for mergers, to the expected load and on by inverse interpolation. Each state starts from
+        contacts interpolated in load. Without result if the changes are of both kinds, have no root or different
+        ones, or if edges have jumped: then another event comes first.
         """
         first, surface = changes[0], self.starts.surface
         followed = [low if first.birth else high]
@@ -282,9 +282,8 @@ class _Search(NamedTuple):
         while not (uncertain <= load and low.load < load < high.load):
             if not low.load < load < high.load or len(loads) > MAX_ROOT_LOADS:
                 return None
-            nearest = min(followed, key=lambda state: abs(state.load - load))
             try:
-                state = stages.follow_contacts(self.starts.surface, nearest, load)
+                state = stages.follow_contacts(surface, _interpolate_contacts(followed, load), load)
             except ConvergenceError:
                 return None
             followed.append(state)
@@ -369,6 +368,17 @@ def _root(loads: list[float], values: list[float]) -> tuple[float, float]:
         for k in range(1, value.size):
             last, load = load[-1], (value[k:] * load[:-1] - value[:-k] * load[1:]) / (value[k:] - value[:-k])
     return float(load[0]), abs(float(load[0] - last))
+
+
+def _interpolate_contacts(followed: list[ContactState], load: float) -> ContactState:
+    """Return a guess under a load: each centre and half-width on its polynomial in load through all states."""
+    loads = np.array([state.load for state in followed])
+    weight = [np.prod((load - (others := np.delete(loads, i))) / (p - others)) for i, p in enumerate(loads)]
+    nearest = followed[int(np.abs(loads - load).argmin())].segments
+    centre = np.tensordot(weight, [state.segments.centre for state in followed], 1)
+    half_width = np.tensordot(weight, [state.segments.half_width for state in followed], 1)
+    half_width = np.maximum(half_width, 0.5 * nearest.half_width)  # an extrapolation may vanish
+    return followed[0]._replace(segments=nearest._replace(centre=centre, half_width=half_width))
 
 
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:
