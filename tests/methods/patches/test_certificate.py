@@ -337,7 +337,7 @@ def test_an_edge_moves_by_the_gap_beside_it(period):
         B = np.zeros((2, 2))
         B[j, side] = 1.0
         expected = (2 * narrow if half_gap < 0.1 else wide), 4 * narrow + 2 * wide
-        strengths, crests, errors = (False, 1.0, B), (none[:1], none[:1], 0.0), (HEIGHT, np.nan, none, 0.0)
+        strengths, crests, errors = (0, 1.0, np.inf, B), (none[:1], none[:1], 0.0), (HEIGHT, np.nan, none, 0.0)
         release, length = _effect_of_edges(*density, strengths, crests, errors)
         assert (release * period / (2 * np.pi**2), length) == pytest.approx(expected, rel=1e-12, abs=0)
 

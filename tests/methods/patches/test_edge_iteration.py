@@ -230,6 +230,8 @@ def test_contacts_merge_if_the_moves_of_their_edges_leave_no_gap_and_vanish_with
 def test_a_pressure_that_is_no_number_is_the_largest_singularity():
     """Else the iteration would take it for converged."""
     (first, r, gap), kind = (np.array([0, 3, 6]), np.array([0.1, 0.1]), np.array([0.3, 0.3])), KINDS[False]
-    b = np.array([1.0, 0.0, -1.0, 1.0, 0.0, np.nan])
-    largest = edge_moves(first, r, gap, np.ones(6), b, kind.right_sign, kind.curvature_k_0)[4]
-    assert np.isnan(largest)
+    for wrong in (2, 5):  # on the first contact and on the last
+        b = np.array([1.0, 0.0, -1.0, 1.0, 0.0, -1.0])
+        b[wrong] = np.nan
+        largest = edge_moves(first, r, gap, np.ones(6), b, kind.right_sign, kind.curvature_k_0)[4]
+        assert np.isnan(largest)

@@ -118,6 +118,18 @@ def test_isolated_contacts_and_gaps_are_those_of_the_solution(profile, load):
     assert isolated(series, 0.5) is None
 
 
+@pytest.mark.parametrize(("phase", "load", "shift"), [(2.0, 0.03, 0.0317), (0.5, None, -0.0036)])
+def test_segments_on_skew_crests_are_placed_by_the_third_derivative(phase, load, shift):
+    """It moves a contact and a gap by this part of their half-width, the guess to a hundredth of that."""
+    profile = Profile(1.5, 2, 2, (0, phase))
+    surface = surface_of(profile)
+    isolated, series = (isolated_contacts, surface.heights) if load else (isolated_gaps, surface.tensions)
+    load = load or surface.full_contact_load * (1 - 3e-3)
+    exact, guess = patches.solve_load(profile, load).state.segments, isolated(series, load).segments
+    assert (exact.middle - exact.extent[0]) / exact.half_width == pytest.approx(shift, rel=0.01)
+    assert np.abs(guess.middle - exact.middle) < 0.01 * abs(shift) * exact.half_width
+
+
 def test_forces_on_crests_are_those_of_one_plane():
     """Crests join, and leave where they would be pulled; the plane is known as well as the forces, to a hundredth."""
     rng = np.random.default_rng(0)

@@ -335,7 +335,7 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> Effect:
     """
     segments, kind, period = state.segments, state.kind, series.period
     rounding = EPS * series.total_amplitude + COMPLIANCE_ROUNDING * state.load * period
-    strengths = kind.is_slope, kind.strength_factor, state.tangent_strength
+    strengths = kind.shift - 1, kind.strength_factor, kind.certain_strength, state.tangent_strength
     crests = series.crest_position, series.crest_offset, -TWIN_HEIGHT * series.total_amplitude
     errors = state.height_error, rounding, state.roughness, EPS * series.largest_curvature
     contacts = kind.contacts_of(segments.extent, period)
@@ -348,23 +348,22 @@ def _effect_of_edges(
     coefficient: Array,
     contacts: Extent,
     L: float,
-    strengths: tuple[bool, float, Sides],
+    strengths: tuple[int, float, float, Sides],
     crests: tuple[Array, Array, float],
     errors: tuple[float, float, Array, float],
 ) -> Effect:
     """Return the effect of all edges by errors of heights and curvatures; lower crests have rounding in addition."""
     (_, _, half_width, first_node), (origin, centre, r) = segments, contacts
-    (is_gap, factor, tangent), (position, offset, twin) = strengths, crests
+    (after, factor, certain, tangent), (position, offset, twin) = strengths, crests
     height_error, rounding, roughness, curvature_error = errors
     distance, inside = distances_between(origin, centre, r, L), edge_strengths(first_node, half_width, coefficient, 1)
     A, B, release, length = np.empty(2), np.empty(2), 0.0, 0.0
     for j in range(r.size):
         for side in range(2):
-            at = 2 * j + side + is_gap  # contact j follows gap j
+            at = 2 * j + side + after  # contact j follows gap j
             k, end = at // 2 % r.size, at % 2
-            A[side], B[side] = max(factor * abs(inside[k, end]), 1e-300), tangent[k, end]
-            if not is_gap:  # The force limits the strengths.
-                A[side] = min(A[side], np.sqrt(2 / r[j]) * max(coefficient[first_node[j]], 1e-300))
+            most = certain * max(coefficient[first_node[j]], 1e-300) / np.sqrt(r[j])  # by the force
+            A[side], B[side] = min(max(factor * abs(inside[k, end]), 1e-300), most), tangent[k, end]
         crest, _ = nearest_crest(position, L, origin[j] + centre[j])
         error = height_error + (rounding if offset[crest] < twin else 0.0)
         force = np.pi / np.sqrt(8.0) * r[j] ** 1.5 * 0.5 * (A[0] + A[1])

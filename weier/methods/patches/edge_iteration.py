@@ -75,8 +75,7 @@ def edge_moves(
                 sign = -sign if side == 0 else sign
             psi[j, side], phi[j, side], slope[j, side] = at_end, regular, inward
         outward[j, 2] = 2 * np.pi * r[j] * max(abs(psi[j, 0]), abs(psi[j, 1]))
-        if not outward[j, 2] <= largest:  # NaN is the largest: the iteration does not end then
-            largest = outward[j, 2]
+        largest = np.maximum(largest, outward[j, 2])  # NaN stays the largest: the iteration does not end then
     for j in range(n):  # contacts in wide gaps are Hertzian
         first, last = (0 if gap[j - 1] >= 2 * r[j] else 1), (1 if gap[j] >= 2 * r[j] else 0)
         # Overlap moves an edge outward even if phi differs from Hertz's.
