@@ -106,7 +106,7 @@ CASES = {
     # by chords of any concave curve between the bounds of h, which a series does not bend as
     "R of an infinite series, by chords": (partial(truncated, "resistance"), TENTH),
     "R of an infinite series, estimated": (extrapolated, THIRD),
-    "h of patches": (partial(of_patches, "compliance", FIVE_WAVES), 0.5),
+    "h of patches": (partial(of_patches, "compliance", Profile(1.9, 2, 5, seed=1), 1e-7), 0.5),
     "R of patches": (partial(of_patches, "resistance", TRIANGLES), 0.5),
     "contact fraction of patches": (partial(of_patches, "contact_fraction", TRIANGLES), 0.5),
     "h of patches, many waves": (partial(of_patches, "compliance", POWER_LAW), THIRD),
