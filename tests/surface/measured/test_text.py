@@ -404,6 +404,8 @@ def test_a_row_that_is_left_out_of_two_columns_is_refused(file):
         ("x_mm,z_um", ["mm", "um"]),
         ("x_mm z_um", ["mm", "um"]),
         ("x (mm) z (um)", ["mm", "um"]),
+        ("x (mm) , z (um)", ["mm", "um"]),
+        ("x (mm)\t\tz (um)", ["mm", "um"]),
         ("[mm];[\u00b5m]", ["mm", "\u03bcm"]),
         ("mm um", ["mm", "um"]),
         ("x / mm; z / nm", ["mm", "nm"]),
@@ -521,6 +523,7 @@ def rows(z, x):
             {},
             "positions must rise in equal steps, got nan at height 51 in line 51",
         ),
+        (rows(COS, np.full(100, np.nan)), {}, "positions must rise in equal steps, got nan at height 1 in line 1:"),
         (
             rows(COS, EVEN),
             {"columns": (0, 0)},

@@ -113,7 +113,8 @@ def length_of_steps(x: Array, length: float | None, place: Callable[[int], str])
         and (rise >= 0).all()
         and np.ptp(x - step * rows) <= min(max(EQUAL * step, 1.5 * _last_decimal(x)), most)
     ):
-        at = int(np.abs(rise - np.nanmedian(rise)).argmax()) + 1
+        unknown = ~np.isfinite(x)
+        at = int(unknown.argmax() if unknown.any() else np.abs(rise - np.median(rise)).argmax() + 1)
         raise ValueError(
             f"positions must rise in equal steps, got {x[at]} at {place(at)}: say columns=(1, 0) if the positions "
             'are in the second column, decimal="," for decimal commas, skip= or rows= for a part of the file, '
@@ -155,8 +156,12 @@ def heading_of(line: str, columns: int, delimiter: str) -> list[tuple[str, str]]
     or `mm um`.
     """
     line = unicodedata.normalize("NFKC", line)  # signs that look alike, such as micro and mu, become equal
-    splits = re.split(r"[,;\t]|\s{2,}|(?<=[\])])\s+", line), line.split(None if delimiter == " " else delimiter)
-    for cells in (*splits, line.split()):
+    for cells in (
+        re.split(r"\s*[,;]\s*|\t|\s{2,}|(?<=[\])])\s+", line),
+        line.split(None if delimiter == " " else delimiter),
+        re.split(r"(?<=[\])])\s+", line),
+        line.split(),
+    ):
         cells = [cell.strip(" \t\"'") for cell in cells]
         while len(cells) > 1 and not cells[-1]:
             cells.pop()
