@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
-from weier import Profile, random_phases
+from weier import Profile, Trace, random_phases
 from weier.methods import patches, westergaard
 from weier.methods.bem.staircase import contact_runs
 from weier.methods.patches import solver, start
@@ -128,6 +128,20 @@ def test_segments_on_skew_crests_are_placed_by_the_third_derivative(phase, load,
     exact, guess = patches.solve_load(profile, load).state.segments, isolated(series, load).segments
     assert (exact.middle - exact.extent[0]) / exact.half_width == pytest.approx(shift, rel=0.01)
     assert np.abs(guess.middle - exact.middle) < 0.01 * abs(shift) * exact.half_width
+
+
+def test_a_contact_on_many_weak_fine_waves_is_as_wide_as_the_guess():
+    """The expansion goes as far as the finest wave allows; guesses that ended there were up to 7 times too narrow."""
+    x = 2 * np.pi * np.arange(128) / 128
+    heights = np.cos(x) - 0.2 * np.cos(2 * x) + 1e-4 * np.cos(20 * x + 1)
+    starts = start.Starts(Trace(1e-8 * heights, 127e-6, unit="m", ends="periodic"), 1e-10)
+    seen = 0
+    for load in np.geomspace(1e-5, 0.1, 40):
+        if (guess := isolated_contacts(starts.surface.heights, load)) is not None:
+            state, _ = solver.solve_state(starts, load)
+            assert guess.segments.half_width == pytest.approx(state.segments.half_width, rel=start.GUESS_TOLERANCE)
+            seen += 1
+    assert 10 < seen < 40
 
 
 def test_forces_on_crests_are_those_of_one_plane():

@@ -282,7 +282,7 @@ def _places_on_crests(
             y, rest = 1.5 * weight * e[3] * a * a / max(rigidity, 1e-300), abs(e[5]) * a**3 + abs(e[6]) * a**4
             # A shift of y changes the curvature by a relative (2 y/a)^2 and the half-width by half of that.
             is_small = 2 * y * y < GUESS_TOLERANCE * a * a
-            is_accurate = is_accurate and is_small and 4 * rest < GUESS_TOLERANCE * rigidity
+            is_accurate = is_accurate and is_small and 4 * rest < GUESS_TOLERANCE * rigidity and a < widest / step
             crest[count], place[0, count], place[1, count] = k, step * y if is_small else 0.0, step * a
             count += 1
     return crest[:count], place[0, :count], place[1, :count], is_accurate
