@@ -7,10 +7,10 @@ import scipy.optimize
 from tests.methods.patches.test_thin_gaps import HEAVY, HEAVY_MERGER
 from tests.methods.patches.westergaard_states import WAVES, OneWave
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
-from weier import ConvergenceError, Profile
+from weier import ConvergenceError, Profile, Trace
 from weier.accuracy.cosines import Cosines
 from weier.methods import patches
-from weier.methods.patches import event_search
+from weier.methods.patches import event_search, stages
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.start import Starts
 
@@ -77,6 +77,17 @@ def test_a_search_that_goes_on_to_rounding_changes_no_load_by_1e_12(monkeypatch)
     monkeypatch.setattr(event_search, "ROOT_ERROR", 1e-15)
     exact = patches.events(profile, 0.01, 3.0)
     np.testing.assert_allclose(found.mean_pressure, exact.mean_pressure, rtol=1e-12)
+
+
+def test_more_nodes_change_no_load_of_an_event(monkeypatch):
+    """With those of the default tolerance, the least pressure of a trace's contacts left a load 8e-9 off."""
+    random, k = np.random.default_rng(4), np.arange(1, 33)
+    wave = k**-1.8 * random.normal(size=32) * np.exp(2j * np.pi * random.random(32))
+    heights = np.fft.irfft(np.concatenate([[0], wave, np.zeros(31)]), 128)
+    trace = Trace(1e-8 * heights / np.std(heights), 127e-6, unit="m", ends="periodic")
+    found = patches.events(trace, 0.01, 1.0)
+    monkeypatch.setattr(stages, "FOLLOWED_TOLERANCE", 1e-24)
+    np.testing.assert_allclose(found.mean_pressure, patches.events(trace, 0.01, 1.0).mean_pressure, rtol=1e-11)
 
 
 def test_contacts_are_interpolated_and_do_not_vanish():

@@ -48,7 +48,7 @@ from weier.methods.patches.segments import (
     estimate_node_count,
     more_nodes,
 )
-from weier.methods.patches.start import TOLERANCE, with_fewer_nodes
+from weier.methods.patches.start import with_fewer_nodes
 from weier.methods.patches.surface import Sides, Surface
 from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
@@ -57,6 +57,9 @@ MIN_TOLERANCE = 10 * FIELD_ROUNDING  # smallest relative tolerance of the residu
 # largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
 # then vanishes again
 MAX_TOLERANCE = 1e-6
+# for the nodes of contacts that are followed, which have no stage 3: the least pressure where contacts have merged
+# needs more than the compliance. With 1e-10, loads of events were up to 1e-7 off, with 1e-16 up to 2e-10
+FOLLOWED_TOLERANCE = 1e-18
 FIRST_TOLERANCE = 1e-5  # for the nodes of the first step, which leaves edges off by thousandths on any nodes
 # Largest allowed ratio of the stage-3 residual to the target of the iteration. It is also the ratio of the target to
 # the residual of the equations, and a second attempt (`solve_state`) divides its tolerance by it.
@@ -177,10 +180,11 @@ def converge(
 
 
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
-    """Follow the contacts of a state to another load, without births and mergers, at the default tolerance."""
+    """Follow the contacts of a state to another load, without births and mergers, at the smallest tolerance."""
     problem = ContactProblem(start.kind.series(surface), load, start.kind)
-    limits = load_limits(problem, start.segments.half_width, TOLERANCE)
-    _, step, _ = converge(problem, make_guess(problem, start.segments, TOLERANCE), limits, MAX_STEPS, is_fixed=True)
+    limits = load_limits(problem, start.segments.half_width, MIN_TOLERANCE)
+    guess = make_guess(problem, start.segments, FOLLOWED_TOLERANCE)
+    _, step, _ = converge(problem, guess, limits, MAX_STEPS, is_fixed=True)
     return contact_state(problem, step)
 
 
