@@ -57,8 +57,8 @@ MIN_TOLERANCE = 10 * FIELD_ROUNDING  # smallest relative tolerance of the residu
 # largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
 # then vanishes again
 MAX_TOLERANCE = 1e-6
-# for the nodes of contacts that are followed, which have no stage 3: the least pressure where contacts have merged
-# needs more than the compliance. With 1e-10, loads of events were up to 1e-7 off, with 1e-16 up to 2e-10
+# For the nodes of contacts that are followed, which have no stage 3: the least pressure of merged contacts needs more
+# nodes than the compliance. With 1e-10, loads of events of traces were up to 1e-7 off, with 1e-16 up to 2e-10.
 FOLLOWED_TOLERANCE = 1e-18
 FIRST_TOLERANCE = 1e-5  # for the nodes of the first step, which leaves edges off by thousandths on any nodes
 # Largest allowed ratio of the stage-3 residual to the target of the iteration. It is also the ratio of the target to
