@@ -18,9 +18,7 @@ from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
 from weier.scene.yaml import one_line
 
-# Packages that only an extra installs, and the command that installs it.
-CHECKOUT = "pip install 'weier[pipeline]', or requirements/run.txt of a checkout"
-EXTRA = dict.fromkeys(("bokeh", "jinja2", "snakemake"), CHECKOUT) | {"openpyxl": "pip install 'weier[excel]'"}
+EXTRA = "bokeh", "jinja2", "snakemake"  # packages of the extra `pipeline`
 EXIT = (
     "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, with a message; 2 wrong usage; "
     "130 stopped by Ctrl-C."
@@ -72,9 +70,11 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except ModuleNotFoundError as error:
-        if (package := str(error.name).partition(".")[0]) not in EXTRA:
+        if str(error.name).partition(".")[0] not in EXTRA:
             raise
-        _stop(f"this command needs {error.name}: {EXTRA[package]}")
+        _stop(
+            f"this command needs {error.name}: pip install 'weier[pipeline]', or requirements/run.txt of a checkout"
+        )
     except MemoryError:
         _stop("not enough memory: take fewer points, loads or cases")
     except (ValueError, ConvergenceError, OSError) as error:

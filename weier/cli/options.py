@@ -91,16 +91,19 @@ WORKERS_OPTION = click.Option(
     show_default=True,
     help="Number of processes for several curves; -1 for one per core.",
 )
-BODIES_OPTIONS = (
-    click.Option(
-        ["--si", "bodies"], type=FILE, help=f"Use Pa, m and ohm m^2, or K m^2/W for heat, for two bodies. {SI}"
-    ),
-    click.Option(
-        ["--pressures"],
-        help='With --si, instead of --loads: mean pressures in a unit, as in "1,10MPa" or "1:100:20MPa"; without a '
-        "unit in Pa. Results have the unit that is given.",
-    ),
-)
+
+
+def bodies_options(required: bool) -> list[click.Option]:
+    """Return the options of two bodies and of pressures in Pa."""
+    about = f"Use Pa, m and ohm m^2, or K m^2/W for heat, for two bodies. {SI}"
+    pressures = (
+        'With --si, instead of --loads: mean pressures in a unit, as in "1,10MPa" or "1:100:20MPa"; without a unit '
+        "in Pa. Results have the unit that is given."
+    )
+    return [
+        click.Option(["--si", "bodies"], type=FILE, required=required, help=about),
+        click.Option(["--pressures"], required=required, help=pressures),
+    ]
 
 
 def one_profile_options(default_loads: str) -> list[click.Parameter]:
@@ -117,7 +120,7 @@ def one_profile_options(default_loads: str) -> list[click.Parameter]:
             ["--loads"],
             help=f'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios  [default: {default_loads}].',
         ),
-        *BODIES_OPTIONS,
+        *bodies_options(False),
         click.Option(
             ["--method", "methods"],
             multiple=True,
