@@ -14,7 +14,6 @@ from weier import units
 from weier.api.interface import Interface
 from weier.api.solve import solve_under
 from weier.api.task import Known
-from weier.cli.options import LISTS, NEEDED, SERIES
 from weier.data.si import with_pressures_in
 from weier.data.variables import LOADS, Status
 from weier.kernels.arrays import Array
@@ -31,11 +30,7 @@ from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
 INTERFACE = "interface"  # key of a scene that holds the bodies
-# Reason in words for each status of a missing curve.
-WHY = {
-    Status.not_applicable: "does not apply",
-    Status.not_converged: "missed its tolerance",
-}
+SERIES = ("D", "gamma", "m", "phases", "seed")  # the options of a series, of which the first three are required
 
 
 class Call(NamedTuple):
@@ -62,7 +57,7 @@ class Call(NamedTuple):
         default_loads: str = "",
         methods: Sequence[str] = (),
         tolerance: float | None = None,
-        settings: Iterable[str] = (),
+        settings: Iterable[tuple[str, str, Any]] = (),
     ) -> Call:
         """Return the call for the options of a command."""
         if pressures is not None and loads is not None:
@@ -81,8 +76,7 @@ class Call(NamedTuple):
                 click.echo(f"--pressures {pressures}: taken in Pa, since no unit is given", err=True)
         methods = methods or [default_method(*surfaces, within_tolerance=tolerance is not None)]
         by_method: dict[str, Any] = {} if tolerance is None else {TOLERANCE: tolerance}
-        for text in settings:
-            method, name, value = _setting(text)
+        for method, name, value in settings:
             by_method.setdefault(method, {})[name] = value
         return cls(surfaces, values, list(methods), by_method, both, unit)
 
@@ -128,14 +122,9 @@ def solved_loads(curves: xr.Dataset) -> xr.Dataset:
 
 
 def check_solved(curves: xr.Dataset) -> None:
-    """Raise ValueError if a requested curve is missing."""
-    methods = curves["solution_method"].values.tolist()
-    numbers = [pair for case in curves["status"].values.tolist() for pair in zip(methods, case, strict=True)]
-    missing = [f"{method} {WHY[Status(number)]}" for method, number in numbers if number != Status.solved]
-    if missing:
-        raise ValueError(
-            f"{', '.join(dict.fromkeys(missing))}, for the reasons above; all other numbers were written"
-        )
+    """Raise ValueError if a requested curve is missing, of which a warning has told the reason."""
+    if (curves["status"] != Status.solved).any():
+        raise ValueError("not all curves could be solved, for the reasons above; all other numbers were written")
 
 
 def read_bodies(path: Path) -> Interface:
@@ -159,46 +148,19 @@ def profile_call(default_loads: str, plotted: Sequence[str] = (), **given: Any) 
 def _surface(trace_file: Path | None, given: Mapping[str, Any]) -> Waves:
     """Return the series or the trace of the options that are given."""
     series = {name: value for name, value in given.items() if name in SERIES}
-    others = [f"--{name.replace('_', '-')}" for name in given if name not in SERIES]
+    if series and (trace_file is not None or len(series) < len(given)):
+        raise click.UsageError(f"take a series, or --trace with its options, got both: {', '.join(given)}")
     if trace_file is not None:
-        if series:
-            raise click.UsageError(f"a trace has no {', '.join(series)}: take --trace or a series")
         if len(lines := traces_of(trace_file, given)) > 1:
             raise click.UsageError(f"{trace_file} has {len(lines)} lines: name one by --line")
         return lines[0]
-    if others:
-        raise click.UsageError(f"{others[0]} is an option of traces: name a file by --trace")
-    if missing := [option for option, name in NEEDED.items() if name not in series]:
-        raise click.UsageError(f"a profile takes -D, --gamma and -m, or --trace; missing: {', '.join(missing)}")
-    if "phases" in series:
-        phases = _numbers("phases", series["phases"])
-        series["phases"] = phases if len(phases) > 1 else phases[0]
+    if not {*SERIES[:3]} <= series.keys():
+        raise click.UsageError("a profile takes -D, --gamma and -m, or --trace with a file")
+    if len(series.get("phases", ())) == 1:
+        (series["phases"],) = series["phases"]
     return Profile(**series)
 
 
 def traces_of(file: Path, options: Mapping[str, Any]) -> list[Trace]:
     """Return the lines of a file by the options of a command, or the gaps to the line of another body."""
-    given = {name: value for name, value in options.items() if value is not None}
-    lists = {name: _numbers(name, given[name], TRACE_KEYS[name].kind) for name in LISTS if name in given}
-    return read_traces({"file": str(file), **given, **lists})
-
-
-def _numbers(name: str, text: str, kind: type = float) -> list[Any]:
-    """Return numbers with commas between."""
-    try:
-        return [kind(part) for part in text.split(",")]
-    except ValueError:
-        what = "whole numbers" if kind is int else "numbers"
-        raise ValueError(f"{name} must be {what} with commas between, got {text!r:.80}") from None
-
-
-def _setting(text: str) -> tuple[str, str, Any]:
-    """Return method, name and value from a text such as "bem.points_per_wave=32"."""
-    name, _, value = text.partition("=")
-    method, _, setting = name.partition(".")
-    if not (method and setting and value):
-        raise ValueError(f'a setting must read "method.name=value", such as layer.points=48, got {text!r:.80}')
-    try:
-        return method, setting, parse_yaml(value)
-    except ValueError as error:
-        raise ValueError(f"the value of the setting {method}.{setting} cannot be read: {error}") from None
+    return read_traces({"file": str(file)} | {name: value for name, value in options.items() if value is not None})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from weier.methods.method import TOLERANCES
 from weier.methods.registry import EXACT, METHODS, PLOTTED, WITHIN_TOLERANCE, infinite_names, names
 from weier.methods.settings import described
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
+from weier.scene.yaml import parse_yaml
 
 
 class Output(click.Path):
@@ -42,12 +44,26 @@ def check_line(loads: Array) -> None:
         raise click.BadParameter("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
 
 
-# The required options of a series, and all of its parameters.
-NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}
-SERIES = (*NEEDED.values(), "phases", "seed")
+def numbers(text: str) -> list[float]:
+    """Return numbers with commas between; click reports a ValueError as a wrong value of its option."""
+    return [float(part) for part in text.split(",")]
+
+
+def indices(text: str) -> list[int]:
+    """Return whole numbers with commas between."""
+    return [int(part) for part in text.split(",")]
+
+
+def setting(text: str) -> tuple[str, str, Any]:
+    """Return method, name and value of a setting, as in "bem.points_per_wave=32"."""
+    if not (found := re.fullmatch(r"(\w+)\.(\w+)=(.+)", text)):
+        raise click.BadParameter(f'it must read "method.name=value", such as layer.points=48, got {text!r:.80}')
+    return found[1], found[2], parse_yaml(found[3])
+
+
 FILE = click.Path(path_type=Path)
 # Options of traces that take several numbers on the command line; several `shortest` are cases of a scene.
-LISTS = ("columns", "missing_value")
+LISTS = {"columns": indices, "missing_value": numbers}
 SI = (
     "This YAML file has the values of weier.Interface, which may have units, as in E_1: 210 GPa; it may be a scene "
     "with the key interface. Traces have their own lambda_0 and g_0."
@@ -63,6 +79,7 @@ SERIES_OPTIONS = (
     ),
     click.Option(
         ["--phases"],
+        type=numbers,
         help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
     ),
     click.Option(["--seed"], type=int, help="Seed of random phases."),
@@ -71,10 +88,8 @@ SERIES_OPTIONS = (
 
 def _trace_option(name: str, key: TraceKey) -> click.Option:
     """Return the option of a key of measured heights."""
-    kind = click.Choice(key.kind) if isinstance(key.kind, tuple) else key.kind
-    says = key.says.partition(" Several")[0]
-    if name in LISTS:
-        kind, says = str, f"{says} Several are separated by commas."
+    kind = click.Choice(key.kind) if isinstance(key.kind, tuple) else LISTS.get(name, key.kind)
+    says = key.says.partition(" Several")[0] + " Several are separated by commas." * (name in LISTS)
     return click.Option([f"--{name.replace('_', '-')}"], type=kind, help=says)
 
 
@@ -133,6 +148,7 @@ def one_profile_options(default_loads: str) -> list[click.Parameter]:
         click.Option(
             ["--set", "settings"],
             multiple=True,
+            type=setting,
             metavar="METHOD.NAME=VALUE",
             help="Setting of a method, such as bem.points_per_wave=32; repeatable.",
         ),
