@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import sys
 import warnings
-from functools import cache
 from typing import NoReturn
 
 import click
@@ -61,7 +60,7 @@ for _command in (
 
 def main() -> None:
     """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
-    warnings.showwarning = lambda message, *_: _say(str(message))
+    warnings.showwarning = lambda message, *_: click.echo(f"weier: {message}", err=True)
     try:
         sys.exit(cli(prog_name="weier", standalone_mode=False))
     except click.Abort:  # Ctrl-C; click would exit with code 1
@@ -78,20 +77,7 @@ def main() -> None:
     except MemoryError:
         _stop("not enough memory: take fewer points, loads or cases")
     except (ValueError, ConvergenceError, OSError) as error:
-        _stop(_described(error))
-
-
-def _described(error: Exception) -> str:
-    """Return an error in one line, or the mistakes of a scene in one line each."""
-    if isinstance(error, OSError) and error.filename:
-        return f"{error.filename} cannot be read or written: {error.strerror}"
-    return str(error) if isinstance(error, SceneError) else one_line(error)
-
-
-@cache
-def _say(warning: str) -> None:
-    """Print a warning once, without the line of the program that issued it."""
-    click.echo(f"weier: {warning}", err=True)
+        _stop(str(error) if isinstance(error, SceneError) else one_line(error))
 
 
 def _stop(why: str) -> NoReturn:

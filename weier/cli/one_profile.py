@@ -58,7 +58,7 @@ def solve(output: Path | None, force: bool, workers: int, **given: Any) -> None:
     if kept is None:
         click.echo(_as_json(call.in_units(curves)))
     elif stop is None:
-        kept.finish(curves)
+        kept.save(curves, whole=True)
         click.echo(f"the curves are in {output}", err=True)
     else:
         kept.save(curves)

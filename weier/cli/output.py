@@ -34,34 +34,36 @@ class SolutionFile:
 
     The partial file, such as curve.part.nc for curve.nc, is written every `SAVE_SECONDS`, and removed at the end.
     Both state the problem: the surface, the methods with their settings, the bodies and the code.
-
-    owned : whether this run has read or written the partial file
     """
 
     def __init__(self, path: Path, call: Call) -> None:
         self.path, self.part, self.call, self.saved = path, path.with_name(f"{path.stem}.part.nc"), call, monotonic()
-        self.owned = False
         (self.surface,) = call.surfaces
         self.bodies = call.bodies and call.bodies.at(self.surface)
-        given = {"methods": sorted(call.methods), "settings": call.settings}
-        surface = getattr(self.surface, "digest", self.surface.parameters)  # a trace, whatever its file is called
-        parts = {"surface": surface, **given, "bodies": self.bodies and self.bodies.given, "code": numerics()}
+        parts = {
+            "surface": getattr(
+                self.surface, "digest", self.surface.parameters
+            ),  # a trace, whatever its file is called
+            "methods": sorted(call.methods),
+            "settings": call.settings,
+            "bodies": self.bodies and self.bodies.given,
+            "code": numerics(),
+        }
         self.problem = {name: json.dumps(part, sort_keys=True) for name, part in parts.items()}
         check_target(self.part)
 
     def known(self) -> dict[str, Known]:
         """Return the solved curves of the files; ValueError for another problem or further loads."""
         found, loads = dict[str, Known](), self.call.loads
+        unit = units.NORMALISED_PRESSURE if self.bodies is None else units.PASCAL
         for path in filter(Path.exists, (self.path, self.part)):
             data = self._read(path)
-            self.owned |= path == self.part
-            unit = units.unit_of(data[LOADS])
-            pressures = data[LOADS].values * (1.0 if self.bodies is None else units.factor(LOADS, unit, units.PASCAL))
+            pressures = units.in_unit(LOADS, data[LOADS], unit)
             at = np.abs(loads[:, None] - pressures).argmin(axis=0)
-            if (others := ~np.isclose(loads[at], pressures, 1e-12, 0.0)).any():
+            if others := pressures[~np.isclose(loads[at], pressures, 1e-12, 0.0)].tolist():
                 raise ValueError(
-                    f"{path} exists, with {others.sum()} loads that are not asked for, such as "
-                    f"{data[LOADS].values[others][0]:.6g} {unit}: add them, or {OTHERWISE}"
+                    f"{path} exists, with {len(others)} loads that are not asked for, such as {others[0]:.6g} "
+                    f"{unit}: add them, or {OTHERWISE}"
                 )
             click.echo(f"{path} has {pressures.size} of {loads.size} loads", err=True)
             found |= self._curves(data.isel(case=0), self.call.own_loads(self.surface)[at])
@@ -102,20 +104,13 @@ class SolutionFile:
     def __call__(self) -> None:
         """Write the loads solved so far, every few seconds."""
         if monotonic() - self.saved > SAVE_SECONDS and (curves := curve_so_far()) is not None:
-            self.save(solved_loads(curves))
+            with warnings.catch_warnings(action="ignore"):  # the whole curve warns of yield
+                self.save(solved_loads(curves))
 
-    def save(self, curves: xr.Dataset) -> None:
-        """Write the solved loads to the partial file."""
-        with warnings.catch_warnings(action="ignore"):  # the whole curve warns of yield
-            self._write(curves, self.part)
-        self.saved, self.owned = monotonic(), True
-
-    def finish(self, curves: xr.Dataset) -> None:
-        """Write the output file."""
-        self._write(curves, self.path)
-        if self.owned:
-            self.part.unlink(missing_ok=True)
-
-    def _write(self, curves: xr.Dataset, path: Path) -> None:
+    def save(self, curves: xr.Dataset, whole: bool = False) -> None:
+        """Write the solved loads to the partial file, or all to the output file, which replaces it."""
         data = self.call.in_units(curves).drop_vars("case").assign_attrs({PROBLEM: json.dumps(self.problem)})
-        dataset.write(data, path, str(self.surface.describe()), "solved")
+        dataset.write(data, self.path if whole else self.part, str(self.surface.describe()), "solved")
+        self.saved = monotonic()
+        if whole:
+            self.part.unlink(missing_ok=True)
