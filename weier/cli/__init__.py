@@ -17,7 +17,6 @@ from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
 from weier.scene.yaml import one_line
 
-EXTRA = "bokeh", "jinja2", "snakemake"  # packages of the extra `pipeline`
 EXIT = (
     "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, with a message; 2 wrong usage; "
     "130 stopped by Ctrl-C."
@@ -69,11 +68,7 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except ModuleNotFoundError as error:
-        if str(error.name).partition(".")[0] not in EXTRA:
-            raise
-        _stop(
-            f"this command needs {error.name}: pip install 'weier[pipeline]', or requirements/run.txt of a checkout"
-        )
+        _stop(f"{error}: pip install 'weier[pipeline]', or requirements/run.txt of a checkout")
     except MemoryError:
         _stop("not enough memory: take fewer points, loads or cases")
     except (ValueError, ConvergenceError, OSError) as error:

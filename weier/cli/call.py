@@ -112,6 +112,8 @@ class Call(NamedTuple):
         """Draw a quantity of curves in normalised units."""
         from weier.figures import draw  # matplotlib takes half a second, and only some commands need it
 
+        if self.loads.size < 2:
+            raise click.UsageError("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
         figure = Figure(quantity, grouping=grouping, interface=self.bodies)
         draw(figure, [with_pressures_in(curves, self.unit)], path, [path.suffix[1:]])
 

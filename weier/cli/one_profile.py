@@ -86,7 +86,6 @@ def plot(path: Path, force: bool, quantity: str, workers: int, **given: Any) -> 
 
     options.check_free(path, force)
     call = profile_call(PLOTTED_LOADS, PLOTTED, **given)
-    options.check_line(call.loads)
     curves, stop = call.solve(workers)
     if stop is not None:
         raise stop

@@ -9,7 +9,6 @@ from typing import Any
 import click
 
 from weier.data.files import check_target
-from weier.kernels.arrays import Array
 from weier.methods.method import TOLERANCES
 from weier.methods.registry import EXACT, METHODS, PLOTTED, WITHIN_TOLERANCE, infinite_names, names
 from weier.methods.settings import described
@@ -36,12 +35,6 @@ def check_free(path: Path, force: bool) -> None:
     """Refuse a file that exists unless it may be overwritten."""
     if path.exists() and not force:
         raise ValueError(f"{path} exists: name another file, or overwrite it by --force")
-
-
-def check_line(loads: Array) -> None:
-    """Refuse a single load, which gives no line in a figure."""
-    if len({*loads}) < 2:
-        raise click.BadParameter("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
 
 
 def numbers(text: str) -> list[float]:

@@ -29,7 +29,6 @@ COLUMNS = (
     *("mean_pressure", "cases", "resistance_median", "resistance_percentile_10", "resistance_percentile_90"),
     *("resistance_numerical_error", "compliance_median", "contact_fraction_median", "contact_pressure_median"),
 )
-PICTURES = ".png", ".pdf", ".svg"
 # end of a column name that follows the name of a quantity
 STATISTIC_SUFFIX = re.compile(f"_(mean|deviation|{'|'.join(PERCENTILES)}|numerical_error)$")
 
@@ -78,7 +77,7 @@ def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool)
     "--output",
     "outputs",
     multiple=True,
-    type=Output(".csv", *PICTURES, ".nc"),
+    type=Output(".csv", ".png", ".pdf", ".svg", ".nc"),
     help="Write here, by the suffix: the table as .csv, a figure as .png, .pdf or .svg, all curves as .nc; "
     "repeatable. By default, the table is printed.",
 )
@@ -113,8 +112,6 @@ def report(
 
     lines = _lines(files, trace_options)
     call = Call.of(lines, bodies, pressures, tolerance=tolerance)
-    if any(path.suffix in PICTURES for path in outputs):
-        options.check_line(call.loads)
     curves, stop = call.solve(workers)
     done = curves["compliance"].notnull().all(("solution_method", "mean_pressure")).values
     solved_lines = list(compress(lines, done))
