@@ -243,3 +243,12 @@ def test_an_ensemble_of_traces_has_common_pressures():
     with pytest.raises(ValueError, match=r"an ensemble must have common pressures, .*: solve the traces by weier"):
         own.weier.ensemble()
     assert own.isel(case=[0]).weier.ensemble()["cases"].tolist() == [1, 1]
+
+
+@pytest.mark.parametrize("gamma", [2.0, 2.5, 5.0])
+def test_the_phase_between_two_waves_is_that_of_the_translated_profile(gamma):
+    """A translation changes both phases, but no curve."""
+    for shift in (0.0, 0.1, -0.3):
+        phases = np.array([2 * np.pi * shift, 1.0 + 2 * np.pi * gamma * shift])
+        assert curves.phase_angle({"gamma": gamma, "phases": phases}) == pytest.approx(1.0)
+    assert curves.phase_angle({"gamma": gamma, "phases": np.array([0.0, np.nan])}) == 0

@@ -103,6 +103,22 @@ def test_an_ensemble_is_a_band_behind_the_curves_of_its_series(sweep: xr.Dataset
     assert (at_end.min(), at_end.max()) == pytest.approx(tuple(expected))
 
 
+def test_surfaces_that_differ_in_the_first_phase_alone_are_lines_of_their_own(sweep: xr.Dataset) -> None:
+    """A median of the two would look like one curve; the phase of a single wave changes nothing."""
+    two = sweep.isel(case=slice(0, 2)).copy(deep=True)
+    two["phases"].values[:] = [[0, 1, 1], [2, 1, 1]]
+    (axes,) = sketch(two.isel(solution_method=[0]), colour="phases").axes
+    assert words(axes.figure) == [r"$\phi=1$", "2. phases"]
+    ends = [line.get_ydata()[-1] for line in axes.get_lines()]
+    assert ends == pytest.approx(two["compliance"].values[:, 0, -1].tolist())
+    panels = [axes.get_title() for axes in sketch(two).axes]
+    assert [title.count("phi") for title in panels] == [1, 0]
+    with pytest.raises(ValueError, match="phases varies among the curves"):
+        sketch(two, colour="gamma")
+    two["m"].values[:], two["phases"].values[:, 1:] = 1, np.nan
+    sketch(two, colour="gamma")
+
+
 def test_medians_by_arrays_are_those_of_single_curves(sweep: xr.Dataset) -> None:
     """The lines of all cases, one by one, and their percentiles at common loads."""
     (axes,) = sketch(sweep.isel(solution_method=[1]), colour="gamma", median_over=("seed",)).axes

@@ -110,6 +110,11 @@ def profile(case: Case) -> Profile:
 
 
 def phase_angle(case: Case) -> float:
-    """Return the phase of the second term, from 0 to pi: the mirror image of a profile, -phi, has the same curves."""
+    """Return the phase of the second term, from 0 to pi, where the first has its crest at x = 0.
+
+    The mirror image of a profile, -phi, has the same curves.
+    """
     phase = np.asarray(case["phases"])
-    return float(np.arccos(np.cos(phase[1]))) if phase.size > 1 and np.isfinite(phase[1]) else 0.0
+    if phase.size < 2 or not np.isfinite(phase[1]):
+        return 0.0
+    return float(np.arccos(np.cos(phase[1] - float(case["gamma"]) * phase[0])))

@@ -109,6 +109,8 @@ def explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
         for quantity in QUANTITIES
     ]
     names: Any = case_names(data)
+    # The list tells cases apart by their names alone, and numbers in these are rounded.
+    names = [name if names.count(name) == 1 else f"{name}, case {at + 1}" for at, name in enumerate(names)]
     select = Select(title="case", name="case", value=names[0], options=names)
     curves = [ColumnDataSource(table) for table in tables]
     select.js_on_change("value", CustomJS(args={"curves": curves, "sources": sources, "loads": loads}, code=CHOOSE))

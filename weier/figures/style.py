@@ -225,13 +225,13 @@ def name_panel(axes: Axes, number: int, panels: int, label: str) -> None:
 def describe(case: Any, *names: str) -> str:
     """Return the labels of a case in the symbols of the paper: the given coordinates, or all."""
     values = {name: f"${symbol(name)}={_parameter(case, name)}$" for name in PARAMETERS}
-    phase = np.asarray(case["phases"])[1:]
+    phase = np.asarray(case["phases"])
     phase = phase[np.isfinite(phase)]
     seed = float(case.get("seed", np.nan))
     if np.isfinite(seed):
         values["seed"] = f"seed {seed:.0f}"
-    elif phase.size and np.ptp(phase) == 0:
-        values["phases"] = rf"$\phi={phase[0]:.3g}$"
+    elif phase.size > 1 and phase[0] == 0 and np.ptp(phase[1:]) == 0:
+        values["phases"] = rf"$\phi={phase[1]:.3g}$"
     return r",  ".join(text for name, text in values.items() if not names or name in names)
 
 

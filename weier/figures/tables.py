@@ -86,13 +86,13 @@ def table_of(tables: Sequence[Values]) -> pd.DataFrame:
     """Return a table with a row for each curve.
 
     Columns are the case, its study and row, the method and its column, whether it is the most accurate numerical one,
-    and the parameters: equal phases as one number, phases in place of an unknown seed, and None for the parameters of
-    a trace, which its name identifies.
+    and the parameters: the phases as `_phases` returns them, also in place of an unknown seed, and None for the
+    parameters of a trace, which its name identifies.
     """
     parts, first = [], 0
     for number, (own, names) in enumerate(zip(tables, _names_of_traces(tables), strict=True)):
         study, size = own.study, len(names)
-        rows = np.nan_to_num(study["phases"].values[:, 1:].round(9), nan=np.inf).tolist()
+        rows = np.nan_to_num(study["phases"].values.round(9), nan=np.inf).tolist()
         phases = list(map(cache(_phases), map(tuple, rows)))  # cases of one seed have the same phases
         seeds = study["seed"].values.astype(float) if "seed" in study.variables else np.full(size, np.nan)
         columns: dict[str, Any] = {"case": first + np.arange(size), "study": number, "row": np.arange(size)}
@@ -115,9 +115,14 @@ def _objects(values: Sequence[Any]) -> pd.Series:
 
 
 def _phases(row: tuple[float, ...]) -> Hashable:
-    """Return the phases of the further terms of a case, inf if missing: a number if they are equal."""
+    """Return the phases of a case, inf if missing: a number if the first is 0 and the others are equal.
+
+    A single wave has none, since its phase changes no curve.
+    """
     phases = tuple(phase for phase in row if phase != np.inf)
-    return phases[0] if len(set(phases)) == 1 else phases
+    if len(phases) < 2:
+        return ()
+    return phases[1] if phases[0] == 0 and len(set(phases[1:])) == 1 else phases
 
 
 def extent(tables: Sequence[Values]) -> Extent:
