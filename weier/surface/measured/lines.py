@@ -149,7 +149,7 @@ def line_from_array(heights: Any) -> Line:
     return Line(heights, height_unit=height_unit)
 
 
-def heading_of(line: str, columns: int, delimiter: str) -> list[tuple[str, str]]:
+def heading_of(line: str, columns: int, delimiter: str | None) -> list[tuple[str, str]]:
     """Return what each column of a table contains by its heading, and its unit; both empty if it does not say.
 
     The cells stand between the signs of the table or other ones, as in `x (mm),z [um]`, `x_mm z_um`, `x (mm) z (um)`
@@ -158,8 +158,7 @@ def heading_of(line: str, columns: int, delimiter: str) -> list[tuple[str, str]]
     line = unicodedata.normalize("NFKC", line)  # signs that look alike, such as micro and mu, become equal
     for cells in (
         re.split(r"\s*[,;]\s*|\t|\s{2,}|(?<=[\])])\s+", line),
-        line.split(None if delimiter == " " else delimiter),
-        re.split(r"(?<=[\])])\s+", line),
+        line.split(delimiter),
         line.split(),
     ):
         cells = [cell.strip(" \t\"'") for cell in cells]
