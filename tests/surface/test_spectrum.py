@@ -304,6 +304,15 @@ def test_a_band_without_waves_at_its_ends_is_cut_off_or_refused(ends):
             fit(trace, *band)
 
 
+@pytest.mark.parametrize("ends", ["mirrored", "periodic"])
+def test_a_line_without_long_waves_is_refused_and_the_longest_is_named(ends):
+    trace = Trace(power_law(1.4, 1e-4, 0), 4e-3, unit="m", ends=ends)
+    with pytest.raises(ValueError, match=r"with beta between 1 and 3, got .* take longest=(\S+)$") as told:
+        fit(trace)
+    found = fit(trace, longest=float(str(told.value).rpartition("=")[2]))
+    assert abs(found.D - 1.4) < 2 * found.D_error
+
+
 def test_what_is_no_power_law_is_refused():
     noise = 1e-3 * np.random.default_rng(0).normal(size=2000)
     with pytest.raises(ValueError, match="the spectrum must fall as k\\^-beta with beta between 1 and 3, got"):

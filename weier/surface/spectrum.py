@@ -167,6 +167,11 @@ def fit(
         law, rolloff, doubt = _straight_law(whole, law, last, given)
         artefact = _artefact(trace, z, law) if law is not whole_law else ""
     if not 1 < law.D < 2:
+        if artefact:  # A line without long waves, as a filter leaves it, is dominated by some part, too.
+            try:
+                _straight_law(whole, law, last, {LONG: True, SHORT: True})
+            except ValueError as bend:
+                artefact += f"; or {bend}".removesuffix(", or none")
         raise ValueError(
             f"the spectrum must fall as k^-beta with beta between 1 and 3, got {5 - 2 * law.D:.3g} from "
             f"{law.longest:g} to {law.shortest:g} m: {artefact or 'take other wavelengths'}"
