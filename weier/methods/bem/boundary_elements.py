@@ -102,14 +102,15 @@ def curve(
 def _as_curve(profile: Waves, loads: Array, found: list[tuple[NodalSolution, Corrected]], points: int) -> Curve:
     """Return the curve from the solutions at the loads of partial contact; at heavier loads contact is full."""
     plane, resistance, fraction, residual, work = np.tile([[0.0], [0.0], [1.0], [0.0], [0.0]], loads.size)
-    most = max((edge.size for _, (*_, edge) in found), default=0)
-    count, edges = np.zeros(loads.size, np.int64), np.full((loads.size, most), np.nan)
+    most = max((edge.size // 2 for _, (*_, edge) in found), default=0)
+    count, edges = np.zeros(loads.size, np.int64), np.full((loads.size, most, 2), np.nan)
     for at, (solution, (plane[at], resistance[at], _, _, edge)) in enumerate(found):
         residual[at], work[at], count[at] = solution.residual, solution.work, edge.size // 2
-        pairs = edge.reshape(-1, 2) - points * np.floor(edge[::2, None] / points)
-        edges[at, : edge.size] = pairs[np.argsort(pairs[:, 0])].ravel() * (float(profile.period) / points)
+        edges[at, : count[at]] = edge.reshape(-1, 2)
         if edge.size:  # All nodes may be in contact although the continuum has a gap between two of them.
             fraction[at] = np.sum(edge[1::2] - edge[::2]) / points
+    edges -= points * np.floor(edges[:, :, :1] / points)  # the left edge of each contact is within the period
+    edges = np.take_along_axis(edges, np.argsort(edges[:, :, :1], axis=1), axis=1)
     solved = Curve(
         profile.total_amplitude - plane,
         resistance,
@@ -117,7 +118,7 @@ def _as_curve(profile: Waves, loads: Array, found: list[tuple[NodalSolution, Cor
         patch_count=count,
         residual=residual,
         work=work,
-        contact_edge=edges,
+        contact_edge=edges.reshape(loads.size, 2 * most) * (float(profile.period) / points),
         points=points,
     )
     return with_errors(profile, loads, solved)

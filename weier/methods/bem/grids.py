@@ -136,10 +136,12 @@ def add_wave(wave: int, grid: Grid, p: Array, finer: Array) -> None:
     narrowest = np.sin(np.pi * count / p.size) ** 2
     highest = 0.0
     for i in range(p.size):
-        sine = np.sin(np.pi * (count * i % p.size / p.size + grid.cycle[wave]))
-        xi = max(p[i] / grid.full_contact_pressure[wave], narrowest)
-        finer[i] = p[i] * _westergaard(sine * sine, xi)
-        highest = max(highest, finer[i])
+        finer[i] = 0.0
+        if p[i] > 0:  # most nodes are outside contact, and the sine is most of the work
+            sine = np.sin(np.pi * (count * i % p.size / p.size + grid.cycle[wave]))
+            xi = max(p[i] / grid.full_contact_pressure[wave], narrowest)
+            finer[i] = p[i] * _westergaard(sine * sine, xi)
+            highest = max(highest, finer[i])
     if highest > 0:
         for i in range(p.size):
             p[i] = finer[i]
