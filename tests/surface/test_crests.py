@@ -105,6 +105,21 @@ def test_the_highest_crest_of_a_plateau(n):
     assert amplitude @ np.cos(2 * np.pi * waves * x + phase) == pytest.approx(z, rel=0, abs=4 * EPS)
 
 
+@pytest.mark.parametrize("bumps", [1, 5])
+@pytest.mark.parametrize("n", [2, 4, 5, 6, 12])
+def test_each_plateau_has_a_crest(n, bumps):
+    """The slope of the same plateaus is rounding, and may nowhere fall through 0, wherever they are."""
+    waves = np.arange(1, n + 1)
+    amplitude = -((-1.0) ** waves) * 2.0 ** (1 - 2 * n) * comb(2 * n, n - waves)
+    for shift in np.random.default_rng(n).uniform(0, 1, 60):
+        series = amplitude, (bumps * waves).tolist(), 2 * np.pi * waves * shift
+        expansion = expand(*series)
+        crests = find_crests(*series[:2], expansion)
+        off = bumps * (crests.node + crests.offset) / len(expansion) + shift  # in bumps
+        assert {*(np.rint(off) % bumps).tolist()} == {*(np.rint(shift + np.arange(bumps)) % bumps).tolist()}
+        assert np.abs(off - np.rint(off)).max() < 0.15
+
+
 @pytest.mark.parametrize(("gamma", "m"), [(np.pi, 4), (2.5, 300), (2, 40), (1000, 6)])
 def test_crests_of_more_waves_than_a_computer_holds_are_refused(gamma, m):
     profile = Profile(1.5, gamma, m)

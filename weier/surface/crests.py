@@ -168,7 +168,8 @@ def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> 
 
     If the series is not concave at a top and on both sides of it, crests may be closer together than samples. Then
     the interval about the top is divided again and again, and each part in which the slope falls through 0 holds
-    a crest, until the series is concave in it or the part is as small as `MIN_SEPARATION`.
+    a crest, until the series is concave in it or the part is as small as `MIN_SEPARATION`. On a flat crest the slope
+    is rounding, and may fall through 0 in no part: then the crest is in the middle.
     """
     row, rows, near = np.arange(t.size), [np.empty(0, np.int64)], [t[:0]]
     while t.size > 0:
@@ -179,7 +180,11 @@ def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> 
         row, t = row[~clear], t[~clear]
         ends = np.linspace(-width, width, SUBDIVISIONS + 1)
         slope = derivatives(expansion[row], t + ends[:, None])[0]
-        part, of = np.nonzero((slope[:-1] > 0) & (slope[1:] <= 0))
+        falls = (slope[:-1] > 0) & (slope[1:] <= 0)
+        flat = ~falls.any(axis=0)
+        rows.append(row[flat])
+        near.append(t[flat])
+        part, of = np.nonzero(falls)
         width /= SUBDIVISIONS
         row, t = row[of], t[of] + width * (2 * part + 1 - SUBDIVISIONS)
     return np.concatenate(rows), np.concatenate(near)
