@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -26,10 +27,12 @@ from weier.methods.errors import NotApplicableError
 from weier.methods.method import CURVE_SECONDS, Method, Style
 from weier.surface.profile import Profile
 
-MIN_LOG_LOAD, MAX_LOG_LOAD = -690.0, math.log(1e4)  # ln xi of a table: heavier waves are flat
+MIN_LOG_LOAD = math.log(sys.float_info.min)  # least ln xi of a table
+MAX_LOG_LOAD = math.log(1e4)  # largest ln xi of a table: heavier waves are flat
 CONVERGENCE_TOLERANCE = 1e-5  # relative change by one more wave below which tables of longer series are the same
 MAX_TABLES = 200  # one table takes some 20 ms
-LIGHT_TABLES = 25  # beyond, 2^-k, the distance of the exponent of F_k from 1, is negligible
+# beyond, the distance of the exponent of F_k from 1, 2^-k, changes no ratio by more than the tolerance
+LIGHT_TABLES = math.log2(-MIN_LOG_LOAD / CONVERGENCE_TOLERANCE)
 # Spacings of the rows of a table, in arsinh of ln xi below 0 and in ln xi above, and rows on each side of a kink: for
 # a relative error of 1e-4 (tests/methods/test_cascade.py)
 LIGHT_SPACING, HEAVY_SPACING = 0.02, 0.04

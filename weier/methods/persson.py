@@ -12,6 +12,7 @@ rest are geometric sums. Heights are in g_0, pressures in p_0*.
 from __future__ import annotations
 
 import math
+import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +26,7 @@ from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 from weier.surface.series import MAX_EXPONENT, MAX_TERMS, leading_amplitude
 
-NEGLIGIBLE = 40.0  # exp(-40) is below rounding.
+NEGLIGIBLE = -math.log(sys.float_info.epsilon)  # exp of its negative is below rounding
 MAX_VALUES = 2**20  # loads times terms in one array: 8 MB
 
 
