@@ -121,38 +121,6 @@ def test_edges_pass_any_number_of_waves(waves, finest):
     assert shares[-1] == 1
 
 
-@pytest.mark.parametrize("ripple", [0.8, 1.0])
-def test_a_contact_that_is_born_and_merges_as_an_edge_passes_ripples_is_found(ripple):
-    """An interval in which an edge passes several ripples would show none of them."""
-    surface = Cosines(np.array([1.0, ripple / 100]), [1, 10], np.array([0.0, 1.0]))
-    found = patches.events(surface, 0.05 * surface.full_contact_load, 0.95 * surface.full_contact_load)
-    np.testing.assert_array_equal(found.birth, [True, False])
-    around = np.outer(found.mean_pressure, [1 - 1e-6, 1 + 1e-6]).ravel()
-    np.testing.assert_array_equal(patches.curve(surface, around).patch_count, [1, 2, 2, 1])
-
-
-def test_a_bump_has_the_events_of_its_ripples():
-    """A Gaussian of 60 waves, whose contact passes half of them, and its mirror image, a groove."""
-    n = np.arange(1, 61)
-    heights = np.exp(-((np.pi * 0.03 * n) ** 2)) * (-1.0) ** n
-    for sign in (1, -1):
-        bump = Cosines(sign * heights, n.tolist())
-        events = patches.events(bump, 1e-3 * bump.full_contact_load, 0.9 * bump.full_contact_load)
-        loads = np.geomspace(1e-3, 0.9, 40) * bump.full_contact_load
-        counts, last = patches.curve(bump, loads).patch_count, np.searchsorted(events.mean_pressure, loads)
-        np.testing.assert_array_equal(np.append(counts[0], events.patch_count)[last], counts)
-
-
-@pytest.mark.parametrize("below", [1e-8, 1e-9])
-def test_contacts_at_the_lightest_load_are_counted_with_their_thin_gaps(below):
-    """Just below a merger, whose gap is a crack; the counts after the events are those of the curve."""
-    low, high = HEAVY_MERGER * (1 - below), HEAVY_MERGER * 1.02
-    events = patches.events(HEAVY, low, high)
-    loads = np.sqrt(events.mean_pressure * np.append(events.mean_pressure[1:], high))
-    np.testing.assert_array_equal(events.patch_count, patches.curve(HEAVY, loads).patch_count)
-    assert patches.curve(HEAVY, [low]).patch_count[0] == events.patch_count[0] + 1
-
-
 def test_events_of_symmetric_profiles_come_in_pairs():
     events = patches.events(Profile(1.25, 2, 2), 1e-3, 2.0)
     np.testing.assert_array_equal(events.birth, [True, False, False])
@@ -195,55 +163,58 @@ def test_events_of_one_load_are_found_together(phase):
     np.testing.assert_allclose(x[::2] + x[1::2], 1, atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("profile", "low", "high"),
-    [
-        (THREE_WAVES, 0.3, 10.0),
-        (Profile(1.25, 2, 5, (np.pi,) * 5), 2.0, 3.0),  # contacts that live for 4 % of a load
-        (Profile(1.5, "5/2", 3, (0.0, 1.0, 2.0)), 0.2, 1.0),
-        (Profile(1.02, 5, 2, (np.pi, np.pi)), 1e-3, 1.0),  # contacts in mirror images
-        (Profile(1.25, 5, 4, np.arange(4.0)), 1.0, 1.1),  # among many
-        # a contact that merges soon with the neighbour beside which it is born, between two probes
-        (
-            Profile(1.9336359298628136, "6/5", 3, (4.481869815049773, 4.983182800916742, 2.601251739364986)),
-            0.699,
-            0.7015,
-        ),
-    ],
-)
-def test_no_event_is_missed(profile, low, high):
+RIPPLED = [Cosines(np.array([1.0, ripple]), [1, 10], np.array([0.0, 1.0])) for ripple in (8e-3, 1e-2)]
+GAUSSIAN = np.exp(-((np.pi * 0.03 * np.arange(1, 61)) ** 2)) * (-1.0) ** np.arange(1, 61)
+BUMPS = [Cosines(sign * GAUSSIAN, [*range(1, 61)]) for sign in (1, -1)]  # a bump, and a groove
+SOON_MERGED = (4.481869815049773, 4.983182800916742, 2.601251739364986)
+# surface, first and last load over p_0*, and whether contacts are born or merge, where the order matters
+SEARCHES = [
+    (THREE_WAVES, 0.3, 10.0, None),
+    (Profile(1.25, 2, 5, (np.pi,) * 5), 2.0, 3.0, None),  # contacts that live for 4 % of a load
+    (Profile(1.5, "5/2", 3, (0.0, 1.0, 2.0)), 0.2, 1.0, None),
+    (Profile(1.02, 5, 2, (np.pi, np.pi)), 1e-3, 1.0, None),  # contacts in mirror images
+    (Profile(1.25, 5, 4, np.arange(4.0)), 1.0, 1.1, None),  # among many
+    # a contact that merges soon with the neighbour beside which it is born, between two probes
+    (Profile(1.9336359298628136, "6/5", 3, SOON_MERGED), 0.699, 0.7015, None),
+    # one that is born and merges as an edge passes ripples: an interval of several of them would show none
+    *((surface, 0.05 * surface.full_contact_load, 0.95 * surface.full_contact_load, "bm") for surface in RIPPLED),
+    # the contact passes half of the waves
+    *((surface, 1e-3 * surface.full_contact_load, 0.9 * surface.full_contact_load, None) for surface in BUMPS),
+    # from just below a merger, whose gap is a crack
+    *((HEAVY, HEAVY_MERGER * (1 - below), HEAVY_MERGER * 1.02, None) for below in (1e-8, 1e-9)),
+    # contacts that are followed past a birth go on over it, with tension behind the edge
+    (Profile(1.5249731126076087, "3/2", 4, (0.0, -0.0006318142317016926, 0.0, 0.0)), 0.01, 0.014, "bbm"),
+    (Profile(1.25, 2, 2, (1e-7, np.pi)), 1e-12, 1e-3, "b"),  # two crests of nearly one height, which stand apart
+    # edges that coincide in double precision, as positions along the period
+    *((Profile(1.25, 5, 2, (0.0, 1.0)), low, high, "") for low, high in ((1e-31, 1e-30), (1e-100, 1e-3))),
+]
+
+
+@pytest.mark.parametrize(("surface", "low", "high", "births"), SEARCHES)
+def test_no_event_is_missed(surface, low, high, births):
     """The contacts beside each event, and at 20 loads, are those that the events leave."""
-    events = patches.events(profile, low, high)
+    events = patches.events(surface, low, high)
+    if births is not None:
+        assert "".join("b" if birth else "m" for birth in events.birth) == births
     beside = events.mean_pressure[:, None] * np.array([1 - 3e-5, 1 + 3e-5])
-    loads = np.unique(np.concatenate([np.geomspace(low, high, 20), beside.ravel()]))
-    counts = patches.curve(profile, loads).patch_count
-    last = np.searchsorted(events.mean_pressure, loads[1:]) - 1
-    np.testing.assert_array_equal(np.where(last < 0, counts[0], events.patch_count[last]), counts[1:])
+    loads = np.unique(np.append(np.geomspace(low, high, 20), beside[(beside > low) & (beside < high)]))
+    counts = patches.curve(surface, loads).patch_count
+    after = np.append(counts[0], events.patch_count)[np.searchsorted(events.mean_pressure, loads)]
+    np.testing.assert_array_equal(after, counts)
     assert counts[-1] - counts[0] == np.where(events.birth, 1, -1).sum()
 
 
-def test_light_loads_have_no_false_events():
-    """Edges coincide in double precision there, as positions along the period."""
-    for low, high in ((1e-31, 1e-30), (1e-100, 1e-3)):
-        assert patches.events(Profile(1.25, 5, 2, (0.0, 1.0)), low, high).birth.size == 0
-
-
-def test_two_crests_of_nearly_one_height():
-    """The lower one is touched where Hertz's contact on the other has sunk in so far, and both stand apart."""
-    profile = Profile(1.25, 2, 2, (1e-7, np.pi))
-    event = patches.events(profile, 1e-12, 1e-3)
-    np.testing.assert_array_equal(event.birth, [True])
-    around = patches.curve(profile, event.mean_pressure[0] * np.array([1 - 1e-9, 1 + 1e-9]))
-    np.testing.assert_array_equal(around.patch_count, [1, 2])
-
-
-def test_a_birth_is_not_sought_behind_an_edge_that_went_on_over_its_crest():
-    """Contacts that are followed past a birth go on over it, with tension behind the edge."""
-    profile = Profile(1.5249731126076087, "3/2", 4, (0.0, -0.0006318142317016926, 0.0, 0.0))
-    event = patches.events(profile, 0.01, 0.014)
-    np.testing.assert_array_equal(event.birth, [True, True, False])
-    around = np.outer(event.mean_pressure, [1 - 1e-6, 1 + 1e-6]).ravel()
-    np.testing.assert_array_equal(patches.curve(profile, around).patch_count, [1, 2, 2, 3, 3, 2])
+def test_events_are_at_roots_which_take_few_loads(monkeypatch):
+    """Without them each interval would be divided some thirty times; no root outside of it is taken for one."""
+    solved, real = [], event_search.solve_state
+    monkeypatch.setattr(event_search, "solve_state", lambda starts, load: solved.append(load) or real(starts, load))
+    events = patches.events(THREE_WAVES, 0.3, 3.0)
+    assert 0 < len(solved) < 2 * events.birth.size
+    for outside in (0.29, 3.1):
+        monkeypatch.setattr(event_search, "_root", lambda loads, values, load=outside: (load, 0.0))
+        search = event_search._Search(Starts(THREE_WAVES, 1e-10))
+        low, high = (search.state(load) for load in (0.3, 3.0))
+        assert search._locate(low, high, search._changes(low, high)[0][:1]) is None
 
 
 def test_no_minimum_of_the_gap_is_hidden_by_rounding():
