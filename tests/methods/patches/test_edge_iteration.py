@@ -160,24 +160,13 @@ def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square
         errors.append(np.abs(carried.b - solved.b).max() / np.abs(solved.b).max())
         assert np.all(np.abs(solved.outward) <= np.abs(carried.outward))
         np.testing.assert_allclose(carried.forces.force, solved.forces.force, rtol=1e-5)
+        moves = np.abs(step.outward)
+        left = 2 * moves.max() ** 2 / scale  # twice the square and rounding, to the displacement of the segments
+        for rounding, part in ((0.0, 0.0), (0.1 * step.singular[0], 0.1), (1.0, 1.0)):
+            np.testing.assert_allclose(carried_along(step, rounding).outward, left + part * moves, rtol=3e-3)
     moved = np.abs(step.b - solved.b).max() / np.abs(solved.b).max()
     assert errors[1] < 0.01 * moved
     assert errors[0] < 0.35 * errors[1] + 1e-11  # a quarter
-
-
-@one_thread
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("wave", WAVES)
-def test_moves_after_a_density_is_carried_along_are_twice_the_square_and_rounding(wave, dual):
-    """To the displacement of the segments, 1e-3 of the narrower one."""
-    problem, exact, scale = problem_of(wave, dual)
-    step = take_step(problem, make_guess(problem, displaced(exact, 1e-3 * scale), TOLERANCE), RESIDUAL)
-    moves = np.abs(step.outward)
-    left = 2 * moves.max() ** 2 / scale
-    np.testing.assert_allclose(carried_along(step, 0.0).outward, left, rtol=3e-3)
-    rounded = carried_along(step, 0.1 * step.singular[0]).outward
-    np.testing.assert_allclose(rounded, left + 0.1 * moves, rtol=3e-3)
-    np.testing.assert_allclose(carried_along(step, 1.0).outward, left + moves, rtol=3e-3)
 
 
 @one_thread
