@@ -4,44 +4,17 @@ import numpy as np
 import pytest
 
 import weier
-from tests import westergaard as fields
 from tests.dense import dense_curve
 from tests.profiles import THREE_WAVES
-from tests.reference import REFERENCES, Reference
+from tests.reference import REFERENCES
 from weier import ConvergenceError, Profile
 from weier.methods import bem, westergaard
 from weier.methods.bem import active_set, stated_errors
-
-POINTS_PER_WAVE = (16, 32, 64, 128, 256)
 
 
 def curve(profile, mean_pressure, **settings):
     """The curve with its staircase, as the paper has it."""
     return bem.curve(profile, mean_pressure, staircase="kept", **settings)
-
-
-def errors(reference: Reference, per_wave: int) -> np.ndarray:
-    """|h - reference| at loads that a grid can see: a lighter one touches a single node."""
-    seen = reference.above(1e-3)
-    points = per_wave * seen.profile.waves_per_period[-1]
-    return np.abs(curve(seen.profile, seen.mean_pressure, points=points).compliance - seen.compliance)
-
-
-def order(worst: list[float]) -> float:
-    """Fitted exponent of the largest error over the grids."""
-    return float(-np.polyfit(np.log(POINTS_PER_WAVE), np.log(worst), 1)[0])
-
-
-def test_compliance_converges_almost_as_the_square_of_the_grid():
-    worst = [[errors(reference, per_wave).max() for per_wave in POINTS_PER_WAVE] for reference in REFERENCES]
-    orders = [order(row) for row in worst]
-    for reference, fitted in zip(REFERENCES, orders, strict=True):
-        print(f"{reference}: order {fitted:.2f}")
-    assert min(orders) >= 1.6
-    assert np.mean(orders) >= 1.8
-    by_grid = dict(zip(POINTS_PER_WAVE, np.max(worst, axis=0), strict=True))
-    assert f"{by_grid[64]:.1e}" == "6.2e-04"  # as stated in docs/numerics.md, like the fifteenth
-    assert by_grid[64] / by_grid[256] == pytest.approx(15, rel=0.1)
 
 
 def test_one_wave_is_westergaards():
@@ -67,24 +40,6 @@ def test_both_solvers_solve_the_same_discrete_problem(reference):
     # The tangent pressure has a residual of 1e-4. The resistance is an energy, whose error is the square of that, and
     # what is known of the staircase to as much as that is about a thousandth of it.
     assert fast.resistance == pytest.approx(dense.resistance, rel=1e-7, abs=1e-10)
-
-
-def test_resistance_is_the_slope_of_the_discrete_curve():
-    """Between two changes of contact h(p) is a straight line."""
-    loads = np.array([0.3, 0.3 * (1 + 1e-6)])
-    found = curve(THREE_WAVES, loads, points=400, max_residual=1e-13)
-    assert found.contact_fraction[0] == found.contact_fraction[1]
-    assert np.diff(found.compliance) / np.diff(loads) == pytest.approx(found.resistance[:1], rel=1e-4)
-
-
-def test_the_solution_of_one_wave_is_westergaards():
-    """Errors of the nodal pressure are largest at the edges, where it falls as a square root: h^(1/2)."""
-    found = active_set.NestedSolver(Profile(1.5, 2, 1), 512, 1e-10).solve_discrete(0.3, False)
-    x = np.arange(512) / 512
-    assert found.gap == pytest.approx(fields.gap(x, 0.3), abs=2e-4)
-    error = np.abs(found.pressure - fields.pressure(x, 0.3))
-    assert error.max() <= np.sqrt(1 / 512)
-    assert np.median(error) <= 1e-4
 
 
 def test_points_are_given_for_each_of_the_finest_waves():

@@ -48,6 +48,13 @@ def test_the_accuracy_is_what_was_measured(per_wave, h, R):
     assert np.median(resistance) < R
 
 
+def test_with_its_staircase_the_compliance_converges_almost_as_the_square_of_the_grid():
+    """The largest error and its fifteenth, as docs/numerics.md states them."""
+    coarse, fine = (errors_of_references(per_wave, staircase="kept")[0].max() for per_wave in (64, 256))
+    assert f"{coarse:.1e}" == "6.2e-04"
+    assert coarse / fine == pytest.approx(15, rel=0.1)
+
+
 def test_without_its_staircase_a_grid_is_ten_times_as_accurate():
     removed, kept = (errors_of_references(64, staircase=setting) for setting in ("removed", "kept"))
     assert np.median(removed[0]) < np.median(kept[0]) / 10

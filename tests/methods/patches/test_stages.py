@@ -99,12 +99,6 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
     np.testing.assert_allclose(np.sort(edges_of(again)[0] % 1), np.sort(edges_of(state)[0] % 1), atol=1e-9)
 
 
-def test_an_edge_at_a_narrow_gap_tells_nothing_of_the_opposite_one():
-    """The pressure beside the gap is nearly 0, and changed its sign in each step that made the other edge move."""
-    starts = Starts(Profile(1.25, 5, 6, (0.0, 1.0, 1.0, 1.0, 1.0, 1.0)), 1e-10)
-    assert solve_in_stages(starts.surface, starts.guess(0.5623413251903491), TOLERANCE)[1] <= 10
-
-
 @one_thread
 @pytest.mark.parametrize("load", [0.3, 5.6])
 def test_contacts_without_the_last_wave_are_a_start(load):

@@ -6,7 +6,6 @@ import pytest
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import Profile, Trace, random_phases
 from weier.methods import patches, westergaard
-from weier.methods.bem.staircase import contact_runs
 from weier.methods.patches import solver, start
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
@@ -63,20 +62,6 @@ def test_overlapping_intervals_are_merged(edges, merged, period):
     middle, half_width = start.merge_overlaps(np.stack([0.5 * (left + right), 0.5 * (right - left)]), period)
     np.testing.assert_allclose(middle, 0.5 * (first + last))
     np.testing.assert_allclose(half_width, 0.5 * (last - first))
-
-
-@pytest.mark.parametrize(
-    ("nodes", "runs"),
-    [
-        ([1, 1, 0, 0, 1, 0, 1], ([4, 6], [4, 8])),
-        ([0, 1, 1, 0, 0, 0, 0], ([1], [2])),
-        ([1, 0, 0, 0, 0, 0, 0], ([0], [0])),
-        ([1, 1, 1, 1], ([], [])),
-    ],
-)
-def test_a_contact_across_the_end_of_the_period_is_counted_on(nodes, runs):
-    first, last = contact_runs(np.array(nodes, bool))
-    assert (first.tolist(), last.tolist()) == runs
 
 
 @pytest.mark.parametrize(
