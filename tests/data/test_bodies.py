@@ -109,10 +109,8 @@ def test_yield_that_cannot_be_judged_is_named(method):
     [
         ({"nu_1": 0.7}, r"nu_1 must lie in \(-1, 0.5\], got 0.7"),
         ({"k_1": 1.0}, "give rho_1 and rho_2, .*, or k_1 and k_2, .*, got k_1, rho_1, rho_2"),
-        ({"g_0": 10.0}, "slope of at most 10"),
         ({"mu_1": np.inf, "mu_2": np.inf}, "two rigid bodies"),
         ({"mu_1": np.inf, "mu_2": np.inf, "lambda_0": None, "g_0": None}, "two rigid bodies"),
-        ({"mu_1": 1e308, "mu_2": 1e308, "lambda_0": None, "g_0": None}, "within the range of floats, got inf"),
     ],
 )
 def test_interface_refuses_what_cannot_be(changed, message):
@@ -125,14 +123,11 @@ def test_interface_refuses_what_cannot_be(changed, message):
     [
         (
             {"mu_1": None, "E_1": 210},
-            r"^E_1 = 210 Pa is not from 1e\+06 to 1e\+13 Pa, .*: is the unit right\?",
+            r"^mu_1 = 80.7692 Pa is not from 1e\+06 to 1e\+13 Pa: is the unit right\?",
         ),
-        ({"lambda_0": 0.8, "g_0": 0.4}, r"p_0\* = 1.\d*e\+11 Pa exceeds the shear modulus 4.5e\+10 Pa, from g_0"),
-        (
-            {"lambda_0": 0.1, "g_0": 1e-9},
-            "coarsest wave has a root mean square slope of 4.44e-08, from g_0 = 1e-09 m",
-        ),
-        ({"lambda_0": 4.0, "g_0": 1e-3}, "lambda_0 = 4 m is above 1 m: is it in mm or um"),
+        ({"lambda_0": 0.8, "g_0": 0.4}, r"g_0/lambda_0 = 0.5 m/m is not from 1e-08 to 0.2 m/m: is the unit right\?"),
+        ({"lambda_0": 0.1, "g_0": 1e-10}, "g_0/lambda_0 = 1e-09 m/m is not from 1e-08 to 0.2 m/m"),
+        ({"lambda_0": 4.0, "g_0": 1e-3}, "lambda_0 = 4 m is not from 2e-10 to 1 m"),
     ],
 )
 def test_unusual_materials_are_doubted(changed, message):

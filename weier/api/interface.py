@@ -49,15 +49,14 @@ class Interface(Bodies):
     ------
     ValueError
         If a value is out of range or has a unit of another quantity, if both or neither of mu and E, or of
-        resistivities and conductivities, are given, if both bodies are rigid, or if the coarsest wave is longer or
-        steeper than any measured surface.
+        resistivities and conductivities, are given, or if both bodies are rigid.
 
     Warns
     -----
     UserWarning
-        If a modulus is below 1 MPa or above 10 TPa, a resistivity not that of a conductor, 1e-8 to 1e-3 ohm m, a
-        conductivity outside 0.01 to 1e4 W/(m K), a hardness outside 1e6 to 2e11 Pa, lambda_0 above 1 m, a coarsest
-        wave flatter than 1e-7, or p_0* above a shear modulus.
+        If a shear modulus is below 1 MPa or above 10 TPa, a resistivity not that of a conductor, 1e-8 to 1e-3 ohm m,
+        a conductivity outside 0.01 to 1e4 W/(m K), a hardness outside 1e6 to 2e11 Pa, lambda_0 above 1 m, or
+        g_0/lambda_0 outside 1e-8 to 0.2.
         With a hardness, if contacts of a result yield, or if this cannot be judged.
 
     Examples

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, replace
 from inspect import signature
 from typing import TYPE_CHECKING, Any, Self, cast
@@ -23,7 +23,7 @@ from weier.data.markdown import significant
 from weier.data.si import CONVERT_DATASET, check_normalised, converted, scaled
 from weier.data.variables import LOADS
 from weier.kernels.arrays import Array
-from weier.surface.measured.trace import MAX_LENGTH, MAX_SLOPE, MIN_SLOPE, MIN_STEP, USUAL_LENGTH
+from weier.surface.measured.trace import MIN_STEP, USUAL_LENGTH
 from weier.surface.waves import checked_surface
 from weier.theory.conduction import (
     RANGES,
@@ -38,8 +38,9 @@ if TYPE_CHECKING:
 
 CURRENT, HEAT = ("rho_1", "rho_2"), ("k_1", "k_2")
 CONDUCTORS = "give rho_1 and rho_2, the resistivities, or k_1 and k_2, the thermal conductivities"
-# ranges outside which a warning asks for the unit; those of lambda_0 and g_0 depend on each other
-USUAL = {"mu": (1e6, 1e13), "E": (1e6, 1e13), "rho": (1e-8, 1e-3), "k": (0.01, 1e4), "hardness": (1e6, 2e11)}
+# Ranges outside which a warning asks for the unit. Steeper coarsest waves have a p_0* above the shear modulus.
+USUAL = {"mu": (1e6, 1e13), "rho": (1e-8, 1e-3), "k": (0.01, 1e4), "hardness": (1e6, 2e11)}
+USUAL |= {"lambda": (2 * MIN_STEP, USUAL_LENGTH), "g_0/lambda_0": (1e-8, 0.2)}
 # Mean pressure of a line contact at first yield over the hardness, 1.4 Y/3 Y (Johnson 1985, Sections 6.1 and 6.3).
 YIELD = 0.47
 # The coordinates of curves that hold the scale of a trace, in m.
@@ -87,45 +88,16 @@ class Bodies:
         if (self.lambda_0 is None) != (self.g_0 is None):
             missing = "lambda_0" if self.lambda_0 is None else "g_0"
             raise ValueError(f"lambda_0 and g_0 must be given together, or both left out: {missing} is missing")
-        known = {name: vars(self)[name] for name in given if name not in TRACE_SCALE}
-        for body, E in ((1, E_1), (2, E_2)):
-            if E is not None:  # The warning names the given argument, E or mu.
-                known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
-        scale = 1.0 if self.lambda_0 is None or self.g_0 is None else self.g_0 / self.lambda_0
-        full = 2 * math.pi * self.composite_modulus * scale  # raises for two rigid bodies
-        if not 0 < full < math.inf:
-            raise ValueError(
-                "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
-                f"floats, got {full}"
-            )
-        for doubt in [*self._doubts(known)]:
-            warnings.warn(doubt, stacklevel=3)  # points to the call of Interface
-
-    def _doubts(self, known: Mapping[str, float]) -> Iterator[str]:
-        """Yield warnings for unusual values; raise ValueError for a scale beyond the limits of traces."""
+        known = self.given | {"modulus": self.composite_modulus}  # raises for two rigid bodies
+        if self.lambda_0 is not None and self.g_0 is not None:
+            known["g_0/lambda_0"] = self.g_0 / self.lambda_0
         for name, value in known.items():
-            least, most = USUAL.get(name[:-2], (-math.inf, math.inf))
-            if value not in (0, math.inf) and not least <= value <= most:
-                usual = f"from {least:g} to {most:g} {_unit(name)}, as in solids"
-                yield f"{name} = {value:g} {_unit(name)} is not {usual}: is the unit right?"
-        if self.lambda_0 is None or self.g_0 is None:
-            return
-        got = f"from g_0 = {self.g_0:g} m over lambda_0 = {self.lambda_0:g} m"
-        if not 2 * MIN_STEP <= self.lambda_0 <= MAX_LENGTH:
-            limits = f"from {2 * MIN_STEP:g} to {MAX_LENGTH:g} m"
-            raise ValueError(f"lambda_0 must be {limits}, got {self.lambda_0:g} m: is a unit wrong?")
-        slope = math.sqrt(2) * math.pi * self.g_0 / self.lambda_0
-        if slope > MAX_SLOPE:
-            raise ValueError(
-                f"g_0 must give the coarsest wave a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} "
-                f"{got}: is a unit wrong?"
-            )
-        if slope < MIN_SLOPE:  # finer waves may be steeper
-            yield f"the coarsest wave has a root mean square slope of {slope:.3g}, {got}: are both in m?"
-        if self.lambda_0 > USUAL_LENGTH:
-            yield f"lambda_0 = {self.lambda_0:g} m is above {USUAL_LENGTH:g} m: is it in mm or um? Lengths are in m"
-        if (full := self.full_contact_pressure) > (modulus := min(self.mu_1, self.mu_2)):
-            yield f"p_0* = {full:.3g} Pa exceeds the shear modulus {modulus:.3g} Pa, {got}: are both in m?"
+            usual = USUAL.get(name) or USUAL.get(name[:-2], (-math.inf, math.inf))
+            if value not in (0, math.inf) and not usual[0] <= value <= usual[1]:
+                unit = _unit(name) if name in RANGES else "m/m"
+                limits = f"from {usual[0]:g} to {usual[1]:g} {unit}"
+                # points to the call of Interface
+                warnings.warn(f"{name} = {value:g} {unit} is not {limits}: is the unit right?", stacklevel=3)
 
     @property
     def given(self) -> dict[str, float]:
