@@ -77,14 +77,8 @@ def run_date() -> str:
 
 def result_attributes(title: str = "") -> dict[str, str]:
     """Return the provenance attributes of a result in memory."""
-    named = {"title": title} if title else {}
-    return {
-        "program": FIXED["program"],
-        "source": origin(),
-        "normalisation": NORMALISED,
-        "references": PAPER,
-        **named,
-    }
+    found = {"program": FIXED["program"], "source": origin(), "normalisation": NORMALISED, "references": PAPER}
+    return found | ({"title": title} if title else {})
 
 
 @cache
@@ -99,16 +93,11 @@ def commit() -> str:
     """Return the commit of the checkout, with a note on uncommitted changes; empty outside a checkout."""
     if not (PACKAGE.parent / ".git").exists():  # A parent repository, in which weier is installed, does not count.
         return ""
-    name, changed = _git("rev-parse", "HEAD"), _git("status", "--porcelain", "--", PACKAGE.name)
-    return f"{name} with changes" if name and changed else name
-
-
-def _git(*arguments: str) -> str:
     import subprocess  # few processes need it
 
-    command = ["git", "-C", str(PACKAGE.parent), "--no-optional-locks", *arguments]
+    git = ["git", "-C", str(PACKAGE.parent), "--no-optional-locks"]
+    described = ["describe", "--always", "--abbrev=40", "--exclude=*", "--dirty= with changes"]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=20)
+        return subprocess.run([*git, *described], capture_output=True, text=True, timeout=20).stdout.strip()
     except (OSError, subprocess.TimeoutExpired):
         return ""
-    return done.stdout.strip() if done.returncode == 0 else ""
