@@ -39,23 +39,11 @@ def converted(data: xr.Dataset, scales: Mapping[str, tuple[Array, str]]) -> xr.D
 
 
 def with_pressures_in(data: xr.Dataset, unit: str) -> xr.Dataset:
-    """Return a Dataset with pressures in `unit` instead of Pa; leave it unchanged for "" and p_0*."""
+    """Return curves under loads in Pa with these loads in `unit`; leave them unchanged for "" and p_0*."""
     if unit in ("", units.PASCAL, units.NORMALISED_PRESSURE):
         return data
-    pascals = units.factor("pressure", unit, units.PASCAL)
-    pressures = {
-        name: (variable.dims, _as_given(variable.values, pascals), variable.attrs | {"units": unit})
-        for name, variable in data.variables.items()
-        if variable.attrs.get("units") == units.PASCAL
-    }
-    return data.assign(pressures).set_coords(list(data.coords))
-
-
-def _as_given(pressures: Array, pascals: float) -> Array:
-    """Return pressures in a unit of `pascals` Pa, rounded to the shortest numbers that convert back exactly."""
-    exact = pressures / pascals
-    short = np.vectorize(lambda number: float(f"{number:.15g}"), otypes=[float])(exact)
-    return np.where(short * pascals == pressures, short, exact)
+    given = data[LOADS].values / units.factor("pressure", unit, units.PASCAL)
+    return data.assign_coords({LOADS: (LOADS, given, data[LOADS].attrs | {"units": unit})})
 
 
 def marked(data: xr.Dataset) -> xr.Dataset:
