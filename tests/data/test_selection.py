@@ -100,7 +100,7 @@ def test_a_selection_has_the_same_rows(select):
         (lambda data: xr.Dataset({"x": [1.0]}), "since there is no D: take"),
         (
             lambda data: data.stack(row=("case", "mean_pressure")),
-            "has the dimension row, which curves have not: unstack",
+            "must be a superset of existing dimensions",
         ),
     ],
 )

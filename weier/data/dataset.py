@@ -21,7 +21,7 @@ import xarray as xr
 from weier.checks import checked_file, readable
 from weier.data import provenance, variables
 from weier.data.files import replacing
-from weier.data.selection import NEEDED, as_cases, name_cases
+from weier.data.selection import as_cases, name_cases
 from weier.data.si import marked
 from weier.data.variables import COORDINATES, LOADS, RUN, VARIABLES
 from weier.kernels.arrays import Array
@@ -184,8 +184,6 @@ def open_dataset(path: str | Path) -> xr.Dataset:
     [0.4044]
     """
     data = open_lazily(path)
-    if not set(NEEDED) <= data.variables.keys():  # the file has no curves
-        return data
     named = name_cases(as_cases(data))
     named.set_close(data.close)  # The derived dataset would not close the file.
     return named

@@ -6,7 +6,7 @@ Importing this module gives every `xarray.Dataset` the accessor `weier`.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Hashable
+from collections.abc import Hashable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -85,14 +85,13 @@ class CurvesAccessor:
         1  1.5    3.0  2.0  [0.0, 0.0]            1.0      1.5164
         """
         data = curves.with_contact_pressure(as_cases(self._data))
-        labels = [name for name in _labels(data) if name != "case"]
         quantities = [name for name, values in data.data_vars.items() if values.dims == CURVE]
-        rows = data[quantities].drop_vars("phases", errors="ignore")
+        rows = data[quantities]
         if "phases" in data.coords:
             phases = [json.dumps(row[np.isfinite(row)].tolist()) for row in data["phases"].values]
-            rows, labels = rows.assign_coords(phases=("case", phases)), [*labels, "phases"]
-        frame = rows.to_dataframe(dim_order=CURVE).reset_index()
-        frame = frame.dropna(how="all", subset=quantities)[[*labels, *CURVE[1:], *quantities]]
+            rows = rows.assign_coords(phases=("case", phases))
+        frame = rows.to_dataframe(CURVE).reset_index()[[*_labels(rows), *CURVE[1:], *quantities]]
+        frame = frame.dropna(how="all", subset=quantities)
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)
 
     def ensemble(self) -> pd.DataFrame:
@@ -136,7 +135,7 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
     """Return curves with the dimensions of the table of variables, in its order, whatever was selected from them.
 
     A dimension that was selected away is added with size 1. ValueError is raised if a variable that describes a curve
-    is missing, or if dimensions were stacked.
+    is missing, and by xarray if dimensions were stacked.
     """
     if lacking := [name for name in NEEDED if name not in data.variables]:
         raise ValueError(
@@ -147,8 +146,6 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
     for label, variable in data.variables.items():
         known = VARIABLES.get(str(label))
         dims: tuple[Hashable, ...] = known.dims if known else variable.dims or ("case",)
-        if strange := [str(dim) for dim in variable.dims if dim not in dims]:
-            raise ValueError(f"{label} has the dimension {strange[0]}, which curves have not: unstack it first")
         if variable.dims != dims:
             changed[label] = variable.set_dims({dim: data.sizes.get(dim, 1) for dim in dims})
     # A coordinate that becomes a dimension needs a new index.
@@ -161,26 +158,25 @@ def name_cases(data: xr.Dataset) -> xr.Dataset:
     return data.assign_coords(case=("case", np.array(case_names(data), object), {"long_name": "case"}))
 
 
-def case_names(data: xr.Dataset, but: Collection[str] = ()) -> list[str]:
-    """Return a name per case: study, D, gamma, m, seed or phases, except labels in `but`.
+def case_names(data: xr.Dataset) -> list[str]:
+    """Return a name per case: study, D, gamma, m, seed or phases.
 
     A trace is named by its file and its digest, which determine all else.
     """
     order = ("study", "trace", *PARAMETERS, "seed", "phases", "trace_digest")
-    columns = {name: map(label_text, data[name].values) for name in order if name in data.coords and name not in but}
-    return [_case_name(dict(zip(columns, texts, strict=True))) for texts in zip(*columns.values(), strict=True)]
+    columns = {name: map(label_text, data[name].values) for name in order if name in data.coords}
+    names = []
+    for texts in zip(*columns.values(), strict=True):
+        labels = {name: text for name, text in zip(columns, texts, strict=True) if text}
+        study = [labels.pop("study")] if "study" in labels else []
+        listed = [f"{name} = {text}" for name, text in labels.items() if name != "phases" or "seed" not in labels]
+        names.append(": ".join([*study, ", ".join(listed)]))
+    return names
 
 
 def _labels(data: xr.Dataset) -> list[str]:
     """Return the names of the coordinates with one value per case."""
-    return [str(name) for name in data.coords if data[name].dims == ("case",)]
-
-
-def _case_name(labels: dict[str, str]) -> str:
-    study = labels.pop("study", "")
-    if labels.get("seed"):
-        labels.pop("phases", None)
-    return ": ".join(filter(None, (study, ", ".join(f"{name} = {text}" for name, text in labels.items() if text))))
+    return [str(name) for name in data.coords if data[name].dims == ("case",) and name != "case"]
 
 
 def label_text(value: Any) -> str:
@@ -197,8 +193,7 @@ def label_text(value: Any) -> str:
 
 def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
     """Return whether each case matches one of the values; `study` may hold several names, separated by commas."""
-    known = [label for label in _labels(data) if label != "case"]
-    if name not in known:
+    if name not in (known := _labels(data)):
         raise ValueError(f"there is no label {name!r} of cases: select by {', '.join(known)}")
     labels = data[name].values
     if labels.dtype.kind in "UOT":
