@@ -127,15 +127,10 @@ class Bodies:
         return float(self.scales()["p_0*"][0])
 
     def at(self, surface: Any) -> Bodies:
-        """Return both bodies with lambda_0 and g_0 of a trace, or with those given here for a series.
-
-        The surface is a Profile, a Trace or a Dataset of one curve; ValueError is raised without a scale of a series.
-        """
-        lambda_0, g_0 = self._scale_of(surface)
-        if lambda_0.ndim:
-            raise ValueError("surface must be one, got curves of traces of several lengths or heights")
-        with warnings.catch_warnings():  # the constructor has already given them
-            warnings.simplefilter("ignore")
+        """Return both bodies with lambda_0 and g_0 of a Trace, or with those given here for a Profile."""
+        has_own = hasattr(checked_surface(surface, "surface"), "g_0")
+        lambda_0, g_0 = (surface.lambda_0, surface.g_0) if has_own else self._scale()
+        with warnings.catch_warnings(action="ignore"):  # the constructor has already given them
             return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
 
     def pressure(self, normalised: ArrayLike) -> Array:
@@ -221,12 +216,9 @@ class Bodies:
                 stacklevel=3,  # points to the call of the conversion
             )
 
-    def _scale_of(self, surface: Any) -> tuple[Array, Array]:
-        """Return lambda_0 and g_0 of a surface, or per case of curves: a trace has its own."""
-        if not hasattr(surface, "data_vars"):
-            own = hasattr(checked_surface(surface, "surface"), "g_0")
-            return (np.asarray(surface.lambda_0), np.asarray(surface.g_0)) if own else self._scale()
-        known = (np.asarray(surface.variables.get(name, math.nan), float) for name in ("D", *TRACE_SCALE.values()))
+    def _scale_of(self, curves: xr.Dataset) -> tuple[Array, Array]:
+        """Return lambda_0 and g_0 of curves, or per case: a trace has its own."""
+        known = (np.asarray(curves.variables.get(name, math.nan), float) for name in ("D", *TRACE_SCALE.values()))
         D, length, height = np.broadcast_arrays(*known)
         is_trace = np.isfinite(length) & np.isfinite(height)
         if (np.isnan(D) & ~is_trace).any():
@@ -247,12 +239,12 @@ class Bodies:
             )
         return np.asarray(self.lambda_0), np.asarray(self.g_0)
 
-    def scales(self, surface: Any = None) -> dict[str, tuple[Array, str]]:
+    def scales(self, curves: xr.Dataset | None = None) -> dict[str, tuple[Array, str]]:
         """Return the value and the SI name of each normalised unit; one value per case for curves of several traces.
 
-        The surface is a Profile, a Trace or a Dataset; without one, lambda_0 and g_0 are those given here.
+        Without curves, lambda_0 and g_0 are those given here.
         """
-        lambda_0, g_0 = self._scale() if surface is None else self._scale_of(surface)
+        lambda_0, g_0 = self._scale() if curves is None else self._scale_of(curves)
         p = full_contact_pressure(self.composite_modulus, lambda_0, g_0)
         slope = specific_resistance(g_0 / p, self.composite_modulus, *self.resistivities)
         values = {"lambda_0": lambda_0, "g_0": g_0, "p_0*": p, "g_0/p_0*": slope}
