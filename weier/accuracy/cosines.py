@@ -17,8 +17,8 @@ class Cosines(Waves):
         self, amplitude: Array, waves_per_period: Sequence[int], phase: Array | float = 0.0, period: int = 1
     ) -> None:
         """Take a_n, in g_0, k_n, ascending, phi_n and the period L, in lambda_0."""
-        self.amplitude, self.waves_per_period, self.period = np.asarray(amplitude), list(waves_per_period), period
-        self.m, self.phase = self.amplitude.size, np.broadcast_to(phase, self.amplitude.shape)
+        self._amplitude, self._waves, self.period = np.asarray(amplitude), list(waves_per_period), period
+        self.m, self._phase = self._amplitude.size, np.broadcast_to(phase, self._amplitude.shape)
         self.total_amplitude, self.parameters, self.labels = float(np.abs(amplitude).sum()), {}, {}
 
     def describe(self) -> str:

@@ -138,22 +138,10 @@ class Profile(Waves):
             raise ValueError("m = inf has no last term: choose a finite m, or an estimate that has a limit")
         return int(self.m)
 
-    # Users get copies: a profile altered in place would equal the unaltered one. A read-only array would be another
-    # type for kernels.
-    @property
-    def amplitude(self) -> Array:
-        """Amplitudes g_n, shape (m,), in g_0 (20)."""
-        return self._amplitude.copy()
-
     @property
     def full_contact_pressure(self) -> Array:
         """Full-contact pressures p_n*, shape (m,), in p_0* (16)."""
         return self._full_contact_pressure.copy()
-
-    @property
-    def phase(self) -> Array:
-        """Phases phi_n, shape (m,), in radians."""
-        return self._phase.copy()
 
     @cached_property
     def _amplitude(self) -> Array:
@@ -212,13 +200,8 @@ class Profile(Waves):
         """Length after which the truncated series repeats, in lambda_0: denominator(gamma)^(m-1)."""
         return int(self.gamma.denominator ** (self.terms - 1))
 
-    @property
-    def waves_per_period(self) -> list[int]:
-        """Waves of each term in one period: exact integers, ascending, m of them."""
-        return list(self._waves_per_period)
-
     @cached_property
-    def _waves_per_period(self) -> list[int]:
+    def _waves(self) -> list[int]:
         a, b, last = self.gamma.numerator, self.gamma.denominator, self.terms - 1
         return [a**n * b ** (last - n) for n in range(self.terms)]
 

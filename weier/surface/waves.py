@@ -49,14 +49,14 @@ class Waves(ABC):
     """
 
     m: float
-    amplitude: Array
-    phase: Array
-    waves_per_period: list[int]
     period: int
     total_amplitude: float
     tail_amplitude: float = math.nan
     parameters: dict[str, Any]
     labels: dict[str, Any]
+    _amplitude: Array
+    _phase: Array
+    _waves: list[int]
 
     @abstractmethod
     def describe(self) -> str:
@@ -65,6 +65,23 @@ class Waves(ABC):
     def __repr__(self) -> str:
         """Return the surface in a few words."""
         return f"<{self.describe()}>"
+
+    # The copies are for users: a surface altered in place would equal the unaltered one. A read-only array would be
+    # another type for kernels.
+    @property
+    def amplitude(self) -> Array:
+        """Amplitudes a_n, shape (m,), in g_0 (20)."""
+        return self._amplitude.copy()
+
+    @property
+    def phase(self) -> Array:
+        """Phases phi_n, shape (m,), in radians."""
+        return self._phase.copy()
+
+    @property
+    def waves_per_period(self) -> list[int]:
+        """Waves of each term in one period: exact integers, ascending, m of them."""
+        return list(self._waves)
 
     @property
     def full_contact_pressure(self) -> Array:

@@ -207,21 +207,6 @@ class Trace(Waves):
         return hash(self._identity)
 
     @property
-    def amplitude(self) -> Array:
-        """Amplitudes of the waves, shape (m,), in g_0."""
-        return np.array(vars(self)["_amplitude"])
-
-    @property
-    def phase(self) -> Array:
-        """Phases of the waves, shape (m,), in radians; x = 0 is the first height."""
-        return np.array(vars(self)["_phase"])
-
-    @property
-    def waves_per_period(self) -> list[int]:
-        """Waves of each kind in one period, ascending, m of them."""
-        return list(vars(self)["_waves"])
-
-    @property
     def _identity(self) -> tuple[str, str, int | None]:
         return self.digest, self.source, self.line
 
