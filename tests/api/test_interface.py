@@ -94,8 +94,3 @@ def test_the_pressure_of_a_curve_comes_back_within_its_error(surface):
     perfect = weier.Interface(**STEEL | {"rho_1": 0.0, "rho_2": 0.0}, lambda_0=1e-3, g_0=1e-6)
     with pytest.raises(ValueError, match="two perfect conductors"):
         perfect.find_pressure(surface, resistance=1e-10)
-
-
-def test_pressures_are_a_list():
-    with pytest.raises(ValueError, match=r"pressure must be a list of loads, got an array of shape \(2, 2\)"):
-        SCALED.solve(weier.Profile(1.25, 5, 2), np.full((2, 2), 1e6), "demelio")

@@ -55,14 +55,6 @@ def test_the_load_of_a_contact_fraction_is_within_its_error():
         assert np.all(abs(found.mean_pressure.values - loads) <= found.mean_pressure_error.values)
 
 
-def test_a_trace_has_a_load_too():
-    z = 1e-6 * np.cos(2 * np.pi * np.arange(40) / 40) + 2e-7 * np.cos(2 * np.pi * np.arange(40) / 8 + 1)
-    trace = weier.Trace(z, 1e-3, ends="periodic", unit="m")
-    resistance = weier.solve(trace, [0.1], "patches").resistance.item()
-    found = weier.find_load(trace, resistance=resistance)
-    assert abs(found.mean_pressure.item() - 0.1) <= found.mean_pressure_error.item() <= 1e-8
-
-
 def test_a_resistance_within_a_drop_has_the_load_of_the_birth():
     births = weier.events(TWO, 1e-3, 1.0)
     birth = births.mean_pressure.values[births.birth.values][0]
@@ -88,18 +80,14 @@ REFUSED = [
         "contact_fraction must lie between 0, at first contact, and 1, at full contact under 2.4759",
     ),
     ({"resistance": 1.0, "compliance": 1.0}, "got resistance and compliance"),
+    ({"resistance": 1.0, "profile": weier.Profile(1.5, 2, math.inf)}, "the finest wave must fit"),
 ]
 
 
 @pytest.mark.parametrize(("wanted", "message"), REFUSED)
 def test_what_no_load_gives_is_refused_in_a_sentence(wanted, message):
     with pytest.raises(ValueError, match=message):
-        weier.find_load(TWO, **wanted)
-
-
-def test_an_infinite_series_has_no_such_load():
-    with pytest.raises(ValueError, match="the finest wave must fit"):
-        weier.find_load(weier.Profile(1.5, 2, math.inf), resistance=1.0)
+        weier.find_load(**{"profile": TWO} | wanted)
 
 
 def test_the_order_of_the_values_is_kept():

@@ -12,7 +12,8 @@ TWO_WAVES = Profile(1.25, 5, 2, 1.0)  # in full contact under 1 + 5^(1/4) = 2.49
 @pytest.mark.parametrize(
     ("loads", "message"),
     [
-        ([], "list of loads"),
+        ([], r"list of loads, got an array of shape \(0,\)"),
+        ([[0.1, 0.2]], r"list of loads, got an array of shape \(1, 2\)"),
         ([0.0, 1.0], "positive, got 0.0 at position 0"),
         ([0.1, np.nan], "finite, got nan at position 1"),
         ([0.2, 0.1], "increase, got 0.2 before 0.1: sort the loads"),

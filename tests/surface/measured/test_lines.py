@@ -64,5 +64,12 @@ def test_positions_in_more_digits_must_be_equal_steps():
 def test_steps_that_rounding_hides_are_refused():
     assert not is_refused(np.round(2.7 * np.arange(200)))
     assert is_refused(np.round(2.7 * np.arange(16)))  # too few for a length within 0.75 %
-    for x in (rounded(0.005, 2), rounded(0.012, 2), np.zeros(100), N[::-1], np.where(N == 9, np.nan, N)):
+    for x in (
+        rounded(0.005, 2),
+        rounded(0.012, 2),
+        np.zeros(100),
+        np.full(100, np.nan),
+        N[::-1],
+        np.where(N == 9, np.nan, N),
+    ):
         assert is_refused(x)
