@@ -52,11 +52,11 @@ def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None
     if hasattr(heights, "unmasked"):  # masked arrays of astropy are no masked arrays of NumPy
         heights = np.ma.masked_array(units.bare(heights.unmasked), heights.mask)
     values = units.bare(heights)
-    if not isinstance(values, list | tuple) and hasattr(values, "__array__"):
+    if hasattr(values, "__array__"):
         with suppress(TypeError):  # a dataset of xarray is no array
             values = np.asanyarray(values)
-        if np.ma.isMaskedArray(values) and values.dtype.kind in "iuf":
-            values = np.ma.filled(values.astype(float), math.nan)
+    if np.ma.isMaskedArray(values):
+        values = values.tolist()  # with None for masked values
     if isinstance(values, list | tuple) or getattr(values, "dtype", None) is np.dtype(object):
         with suppress(TypeError):  # nor are datasets in a list, which are refused below
             values = np.array([math.nan if _is_missing(height) else height for height in values], object)
