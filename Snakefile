@@ -1,9 +1,11 @@
 """Scenes -> curves -> data, claims and figures. The rules call commands of weier and define their dependencies."""
 
 import os
+import shlex
 import sys
 from pathlib import Path
 
+from snakemake.settings.types import DeploymentMethod
 from snakemake.utils import min_version
 
 min_version("9.0")
@@ -14,53 +16,60 @@ CHECKOUT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 # uses the installed package.
 if (CHECKOUT / "weier").is_dir():
     sys.path.insert(0, str(CHECKOUT))
-    elsewhere = filter(None, [os.environ.get("PYTHONPATH")])
-    os.environ.update(PYTHONPATH=os.pathsep.join([str(CHECKOUT), *elsewhere]))
+    elsewhere = os.environ.get("PYTHONPATH") or CHECKOUT
+    os.environ.update(PYTHONPATH=f"{CHECKOUT}:{elsewhere}")
 
 try:
-    import weier.pipeline.workflow
+    from weier import __version__ as installed
 
-    if weier.__version__ != VERSION:
-        raise ModuleNotFoundError(name=f"weier {VERSION}, not {weier.__version__},")
+    if installed != VERSION:
+        raise ModuleNotFoundError(name=f"weier {VERSION}, not {installed},")
+    from weier.digests import digest_of_modules
+    from weier.figures import caption
+    from weier.figures.scene_checks import load_by_name
+    from weier.pipeline.products import DATA, PAGE
+    from weier.pipeline.workflow import Plan, kernels_file, names_of_scenes
 except ModuleNotFoundError as error:
     raise SystemExit(
         f"weier: Snakemake needs {error.name} in its own environment: pip install 'weier[pipeline]=={VERSION}', or "
         f"pip install --require-hashes -r requirements/run.txt of a checkout"
     )
 
-# Use the scenes of the working folder if it has any, otherwise the scenes of the checkout.
-CHECKOUT = Path(os.path.relpath(CHECKOUT))
-CONFIG = Path("config") if Path("config/scenes").is_dir() else CHECKOUT / "config"
-
 # Configuration files come from the working folder or, if missing there, from the checkout.
-configured = lambda path: str(
-    (CONFIG if (CONFIG / path).exists() else CHECKOUT / "config") / path
+configured = lambda path: (
+    path if Path(path).exists() else os.path.relpath(CHECKOUT / path)
 )
 
 
-configfile: configured("config.yaml")
+configfile: configured("config/config.yaml")
 
 
-include: "rules/common.smk"
+SCENES = names_of_scenes(config)
+settings = workflow.resource_settings
+jobs_at_once = settings.nodes or settings.cores or 1
+plan = Plan(SCENES, load_by_name, configured("config/scenes"), jobs_at_once)
+
+# Jobs run modules by the Python of Snakemake, or of their own environment. Since the parameter is a function of the
+# output, another Python makes nothing again.
+in_conda = DeploymentMethod.CONDA in workflow.deployment_settings.deployment_method
+python = "python" if in_conda else shlex.quote(sys.executable)
+command = lambda wildcards, output: f"{python} -P -m"
+
+# The folder of the job that makes a product, and its scene. Dates do not count for a fresh product. For a stale one,
+# that of an edited scene does: without records, as in a copy, Snakemake keeps a product whose folder is missing.
+made_of = lambda product: unpack(
+    lambda wildcards: plan.made_of(wildcards, product, ancient)
+)
+
+
 include: "rules/accuracy.smk"
-
-
-wildcard_constraints:
-    scene=r"[A-Za-z0-9_-]+",
-    share=r"\d+-of-\d+",
-    stamps=plan.new_digests,
 
 
 # Named here, since rules do not inherit it.
 localrules:
-    all,
     data,
     figure,
     page,
-
-
-onstart:
-    plan.check_folders()
 
 
 rule all:
@@ -71,31 +80,22 @@ rule all:
         f"everything of {', '.join(SCENES)}"
 
 
-# One job per method compiles its kernels, in parallel and before the jobs that need them.
+# Jobs compile the kernels of methods in parallel and before the jobs that need them: first those of curves, which take
+# longest, then the sums over many contacts.
 rule compile:
     output:
-        touch(kernels_file("{method}.curves")),
+        touch(kernels_file("{kernels}")),
     log:
-        "results/logs/compile/{method}.curves.log",
-    priority: 3  # compile first: it takes longest, and jobs without kernels run in parallel
+        "results/logs/compile/{kernels}.log",
+    priority: lambda wildcards: 3 if wildcards.kernels.endswith(".curves") else 2
     conda:
         "rules/environment.yaml"
     params:
         run=command,
-        kernels=lambda wildcards, output: Path(output[0]).name,
     message:
-        "compile {params.kernels}"
+        "compile {wildcards.kernels}"
     shell:
-        "{params.run} weier compile {params.kernels:q} 2>&1 | tee -i {log:q}"
-
-
-# The sums over many contacts, which take half as long as the rest and start after it.
-use rule compile as compile_others with:
-    output:
-        touch(kernels_file("{method}.others")),
-    log:
-        "results/logs/compile/{method}.others.log",
-    priority: 2
+        "{params.run} weier compile {wildcards.kernels:q} 2>&1 | tee -i {log:q}"
 
 
 # A job solves its share of the missing curves, and appends them to the store every few seconds. The name of its
@@ -107,7 +107,7 @@ rule solve:
     output:
         temp(touch("results/curves/.solved/{what}/{numerics}/{missing}/{share}")),
     log:
-        "results/logs/curves/{what}.{missing}.{numerics}.{share}.log",
+        "results/logs/curves/{what}/{numerics}/{missing}/{share}.log",
     priority: 1
     conda:
         "rules/environment.yaml"
@@ -115,7 +115,7 @@ rule solve:
         runtime=plan.minutes,
     params:
         run=command,
-        scenes=scenes_of,
+        scenes=plan.files,
         seconds=plan.seconds,
     message:
         "solve {wildcards.what}, {wildcards.share}, in about {params.seconds} s"
@@ -124,54 +124,53 @@ rule solve:
         " {params.scenes:q} 2>&1 | tee -i {log:q}"
 
 
-# A job makes its share of the products of a scene, since each process spends two seconds on imports. Its folder keeps
-# them by a digest of what they are made of; the rules below copy them to their places. No rule makes a folder that
-# exists.
+# One job makes all outdated products of a scene, since a process spends two seconds on imports, or the one that is
+# named. Its folder keeps them by a digest of what they are made of; the rules below copy them to their places. No rule
+# makes a folder that exists.
 rule make:
     input:
         plan.solved,
     output:
-        directory("results/{scene}/.made_of/{share}.{stamps}"),
+        directory("results/{scene}/.made_of/{what}.{digest}"),
     log:
-        "results/logs/{scene}/make/{share}.{stamps}.log",
+        "results/logs/{scene}/make/{what}.{digest}.log",
+    wildcard_constraints:
+        digest=plan.new_digests,
     conda:
         "rules/environment.yaml"
     params:
         run=command,
-        scene=lambda wildcards, output: scene_file(wildcards.scene),
-        stamps=plan.stamps,
+        scene=lambda wildcards, output: plan.file(wildcards.scene),
     message:
-        "{wildcards.scene}: make the share {wildcards.share} of the products"
+        "{wildcards.scene}: make {wildcards.what}"
     shell:
-        "{params.run} weier make {params.scene:q} results/curves {output:q} {params.stamps:q} 2>&1 | tee -i {log:q}"
+        "{params.run} weier make {params.scene:q} results/curves {output:q} 2>&1 | tee -i {log:q}"
 
 
 rule data:
     input:
         made_of(DATA),
     output:
-        "results/{scene}/contact.nc",
         report("results/{scene}/claims.md", category="{scene}", subcategory="claims"),
+        to="results/{scene}/contact.nc",
     log:
         "results/logs/{scene}/data.log",
     conda:
         "rules/environment.yaml"
-    params:
-        product=DATA,
-        folder="results/{scene}",
     message:
-        "{wildcards.scene}: {params.product}"
+        "{output.to}"
     shell:
-        "test -d {input.folder:q}/{params.product} || {{ echo 'weier: {params.product} was not made, for the reason in"
-        " results/logs/{wildcards.scene}/make'; exit 1; }};"
-        " cp {input.folder:q}/{params.product}/*/* {params.folder} 2>&1 | tee {log:q}"
+        'made={input.folder:q}/$(basename {output.to} .png); test -d "$made" || {{ echo "weier: {output.to} was not made,'
+        ' for the reason in results/logs/{wildcards.scene}/make"; exit 1; }};'
+        ' cp "$made"/*/* $(dirname {output.to}) 2>&1 | tee {log:q}'
 
 
 use rule data as figure with:
     input:
         made_of("{figure}"),
     output:
-        report(
+        multiext("results/{scene}/figures/{figure}", ".pdf", ".svg", ".csv"),
+        to=report(
             "results/{scene}/figures/{figure}.png",
             category="{scene}",
             subcategory="figures",
@@ -180,20 +179,14 @@ use rule data as figure with:
                 "caption": caption(plan.scene(wildcards.scene), wildcards.figure).text,
             },
         ),
-        multiext("results/{scene}/figures/{figure}", ".pdf", ".svg", ".csv"),
     log:
         "results/logs/{scene}/figures/{figure}.log",
-    params:
-        product="{figure}",
-        folder="results/{scene}/figures",
 
 
 use rule data as page with:
     input:
         made_of(PAGE),
     output:
-        report("results/{scene}/page.html", category="{scene}", subcategory="curves"),
+        to=report("results/{scene}/page.html", category="{scene}", subcategory="curves"),
     log:
         "results/logs/{scene}/page.log",
-    params:
-        product=PAGE,

@@ -226,7 +226,10 @@ def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     done = call(finished, "--latency-wait", "1", "--cores", "1", "--config", "scenes=test")
     assert done.returncode == 1
     assert "weier: two cannot be made: no ink\n" in done.stdout
-    assert "\nweier: two was not made, for the reason in results/logs/test/make\n" in done.stdout
+    assert (
+        "\nweier: results/test/figures/two.png was not made, for the reason in results/logs/test/make\n"
+        in done.stdout
+    )
     assert sorted((finished / "results/test/.made_of").glob("*/two/*")) == stamps
     assert not killed.exists()
     assert made(done.stdout) == (["contact.nc", "one", "page.html"], 0)

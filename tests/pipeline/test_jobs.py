@@ -12,7 +12,6 @@ from weier.api import batch
 from weier.pipeline import jobs
 from weier.pipeline.gather import read_study
 from weier.pipeline.jobs import solve
-from weier.pipeline.workflow import ALL
 
 SCENE = {
     "title": "t",
@@ -83,7 +82,14 @@ run()
 
 def test_jobs_that_are_stopped_keep_their_curves_and_the_next_one_solves_the_rest(tmp_path, ctrl_c):
     curves = curves_in(scene_in(tmp_path, SCENE | {"methods": ["archard", "demelio"]}), tmp_path / "curves")
-    arguments = ["curves", ALL, "0-of-1", curves.store.numerics, curves.store.folder, tmp_path / "scene.yaml"]
+    arguments = [
+        "curves",
+        "scene/all.products",
+        "0-of-1",
+        curves.store.numerics,
+        curves.store.folder,
+        tmp_path / "scene.yaml",
+    ]
     left = [sum(len(part.keys) for part in lacking(curves))]
     for stop in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT):
         job = subprocess.Popen(

@@ -5,56 +5,50 @@ from pathlib import Path
 
 import pytest
 
-from weier.pipeline.products import files_of, remove_older, stamp_of
+from weier.pipeline import products
+from weier.pipeline.products import STAMPS, files_of, remove_older, stamp_of
 
 FILES = files_of("one")
 
 
 @pytest.fixture
-def made(tmp_path):
-    """The folder of a scene with a figure as it was made, and its stamp."""
-    assert stamp_of(tmp_path, "one", "a") == (Path("one/a"), False)
-    return tmp_path, fill(tmp_path, Path(".made_of/job/one/a"))
+def folder(tmp_path, monkeypatch):
+    """The folder of a scene with a figure. Digests are given in place of curves."""
+    monkeypatch.setattr(products, "made_of", lambda curves, product: curves)
+    assert stamp_of("a", tmp_path, "one") == ("one/a", False)
+    fill(tmp_path, "job", "one/a")
+    return tmp_path
 
 
-def fill(folder, stamp):
-    """Make the files of a figure and their stamp, as the rules do."""
-    (folder / stamp).mkdir(parents=True)
-    (folder / "figures").mkdir(exist_ok=True)
+def fill(folder, job, stamp):
+    """Make the files of the figure and their stamp, as the rules do."""
+    made = folder / STAMPS / job / stamp
     for file in FILES:
-        (folder / file).write_text(file)
-        shutil.copy(folder / file, folder / stamp)
-    return folder / stamp
+        for path in (folder / file, made / Path(file).name):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(file)
+    remove_older(folder / STAMPS / job, "one")
 
 
-def test_a_stamp_with_its_files_counts_also_in_a_copy(made, tmp_path):
-    folder, stamp = made
-    assert stamp_of(folder, "one", "a") == (stamp, True)
-    assert stamp_of(folder, "one", "b") == (Path("one/b"), False)
+def test_a_stamp_with_its_files_counts_also_in_a_copy(folder, tmp_path):
     copy = shutil.copytree(folder, tmp_path / "copy")
-    assert stamp_of(copy, "one", "a") == (copy / ".made_of/job/one/a", True)
+    assert stamp_of("a", copy, "one") == stamp_of("a", folder, "one") == ("job/one/a", True)
+    assert stamp_of("b", folder, "one") == ("one/b", False)
 
 
-@pytest.mark.parametrize("file", FILES)
 @pytest.mark.parametrize("change", [Path.unlink, lambda path: path.write_text("edited")])
-def test_an_edited_file_asks_for_a_stamp_that_is_missing(made, file, change):
+def test_an_edited_file_asks_for_a_stamp_that_is_missing(folder, change):
     """Each time by another name, and a file that a killed job has not put into its place, too."""
-    folder, first = made
-    change(folder / file)
-    second, fresh = stamp_of(folder, "one", "a")
-    assert (second.name.partition(".")[0], fresh) == ("a", False)
-    assert second.name != first.name
-    assert stamp_of(folder, "one", "a")[0] == second  # in each plan the same one
-    stamp = fill(folder, Path(".made_of/next") / second)
-    remove_older(stamp.parents[1], "one")
-    assert [path.name for path in stamp.parents[2].iterdir()] == ["next"]
-    assert stamp_of(folder, "one", "a") == (stamp, True)
-
-
-def test_the_stamps_of_other_products_are_kept(made):
-    """Products of one job become outdated one by one."""
-    folder, first = made
-    (first.parents[1] / "two").mkdir()
-    stamp = fill(folder, Path(".made_of/next/one/b"))
-    remove_older(stamp.parents[1], "one")
-    assert (first.parents[1].exists(), first.parent.exists(), stamp.exists()) == (True, False, True)
+    (folder / STAMPS / "job/two").mkdir()  # of another product, which is kept
+    names = {"one/a"}
+    for job, file in enumerate(FILES):
+        change(folder / file)
+        stamp, fresh = stamp_of("a", folder, "one")
+        assert (stamp.startswith("one/a."), fresh) == (True, False)
+        assert stamp_of("a", folder, "one")[0] == stamp  # in each plan the same one
+        fill(folder, f"job {job}", stamp)
+        assert stamp_of("a", folder, "one") == (f"job {job}/{stamp}", True)
+        names.add(stamp)
+    assert len(names) == 1 + len(FILES)
+    left = {path.relative_to(folder / STAMPS).as_posix() for path in (folder / STAMPS).glob("*/*")}
+    assert left == {"job/two", f"job {len(FILES) - 1}/one"}

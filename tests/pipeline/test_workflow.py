@@ -1,6 +1,5 @@
 """The plan of a run: what is missing, who solves it, and messages that end a run. Planning writes nothing."""
 
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -37,7 +36,7 @@ def folder(tmp_path, monkeypatch):
 
 def plan(*names, slots=2):
     """As the rules have it, in a new run."""
-    return Plan(names or ("test",), partial(load_by_name, folder="config/scenes"), slots)
+    return Plan(names or ("test",), load_by_name, "config/scenes", slots)
 
 
 def of(**wildcards):
@@ -52,25 +51,20 @@ def change(folder, old, new):
 
 
 def solved(plan, product, scene="test"):
-    """The jobs that solve curves for the job that makes a product."""
-    share = Path(plan.job(scene, product)[0]).stem
-    return plan.solved(of(scene=scene, share=share))
-
-
-def jobs(found):
-    """Jobs, with what they are of."""
-    return [(Path(path).parents[2].name, Path(path).name) for path in found]
+    """The jobs that solve curves for the job that makes a product, with what they are of."""
+    what = Path(plan.job(scene, product)[0]).stem
+    found = [Path(path).relative_to("results/curves/.solved") for path in plan.solved(of(scene=scene, what=what))]
+    return [(str(path.parents[2]), path.name) for path in found]
 
 
 def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
     """Those of all scenes where all is made; and its own if it is named alone."""
     alone = plan()
-    assert jobs(solved(alone, "one")) == [("test~one", "0-of-1")]
+    assert solved(alone, "one") == [("test/one", "0-of-1")]
     together = plan()
     together.all_files(of())
-    found = [solved(together, product) for product in ("one", "two", "contact.nc")]
-    assert found[0] == found[1] == found[2]
-    assert jobs(found[0]) == [(workflow.ALL, "0-of-1")]
+    for product in ("one", "two", "contact.nc"):
+        assert solved(together, product) == [("test/all.products", "0-of-1")]
     solve_scene(alone.scene("test"), Path("results/curves"))
     assert solved(plan(), "contact.nc") == []
 
@@ -78,9 +72,9 @@ def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
 def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_is_short(folder, monkeypatch):
     for seconds, slots, expected in ((1.0, 9, 1), (90.0, 3, 3), (1e4, 99, 6)):
         monkeypatch.setattr(workflow.Part, "seconds", np.array([seconds]))  # of each part
-        found = jobs(solved(plan(slots=slots), "one"))
+        found = solved(plan(slots=slots), "one")
         assert [job for _, job in found] == [f"{number}-of-{expected}" for number in range(expected)]
-    own, job = plan(), of(what="test~one", share="0-of-4")
+    own, job = plan(), of(what="test/one", share="0-of-4")
     assert own.seconds(job) == 3 * 1e4 / 4  # of three parts
     assert [own.minutes(job, attempt) for attempt in (1, 2)] == [630, 1260]
 
@@ -89,7 +83,7 @@ def test_kernels_of_numerical_methods_are_compiled_in_shares_before_their_curves
     change(folder, "bem]", "bem, patches]")
     for disabled, expected in (("0", ["bem.curves", "patches.curves", "patches.others"]), ("1", [])):
         monkeypatch.setenv("NUMBA_DISABLE_JIT", disabled)
-        assert [Path(kernels).name for kernels in plan().kernels(of(what="test~one"))] == expected
+        assert [Path(kernels).name for kernels in plan().kernels(of(what="test/one"))] == expected
 
 
 def test_a_wrong_scene_ends_in_one_sentence(folder):

@@ -17,8 +17,6 @@ from weier.data.provenance import origin
 from weier.digests import numerics
 from weier.pipeline.store import Store
 
-SCENE = click.argument("scene_file", type=FILE)
-
 
 @contextmanager
 def job(*words: str) -> Iterator[None]:
@@ -64,38 +62,42 @@ def curves(what: str, share: str, numerics: str, folder: Path, scenes: Sequence[
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     store = Store(folder, numerics)
     loaded = {path.stem: Curves(weier.load_scene(path), store) for path in scenes}
-    own = missing(what, list(loaded), loaded.__getitem__, share)
+    own = missing(what, loaded.__getitem__, share)
     with job("solve", f"{sum(len(part.keys) for part in own)} curves"):
         solve(own, store, origin(), lambda line: click.echo(line, err=True))
 
 
 @click.command(hidden=True)
-@SCENE
+@click.argument("scene_file", type=FILE)
 @click.argument("store", type=FILE)
 @click.argument("folder", type=FILE)
-@click.argument("stamps", nargs=-1, type=FILE, required=True)
-def make(scene_file: Path, store: Path, folder: Path, stamps: Sequence[Path]) -> None:
-    """Make the products named by STAMPS, PRODUCT/DIGEST, from the curves in STORE, in these folders of FOLDER.
+def make(scene_file: Path, store: Path, folder: Path) -> None:
+    """Make the outdated products of a scene from the curves in STORE, in FOLDER, WHAT.DIGEST.
 
-    Products that cannot be made are reported. The exit code is 1 if none can.
+    WHAT is a product or all of them, and DIGEST that of their stamps in the plan. Products that cannot be made are
+    named. The exit code is 1 if none can.
     """
     from weier.figures.make import make_product
     from weier.pipeline.needed_curves import Curves
-    from weier.pipeline.products import remove_older
+    from weier.pipeline.products import job_of, remove_older, stale
 
     curves = Curves(weier.load_scene(scene_file), Store(store, numerics()))
+    what = folder.name.rpartition(".")[0]
+    stamps = stale(curves, folder.parents[1], what)
+    if folder.name != job_of(what, stamps):
+        raise ValueError(f"{scene_file.stem} or weier has changed since the plan: run snakemake again")
     unfinished = folder.with_name(f"{folder.name}.unfinished")  # FOLDER appears only as a whole
     shutil.rmtree(unfinished, ignore_errors=True)
     made = []
     for stamp in stamps:
-        name = stamp.parent.name
+        name = stamp.partition("/")[0]
         try:
             with job("make", scene_file.stem, name):
                 make_product(curves, name, unfinished / stamp)
             made.append(name)
         except ValueError as error:
             shutil.rmtree(unfinished / name, ignore_errors=True)
-            click.echo(f"weier: {error}", err=True)
+            click.echo(f"weier: {name} cannot be made: {error}", err=True)
     if not made:
         shutil.rmtree(unfinished, ignore_errors=True)
         raise click.exceptions.Exit(1)

@@ -11,21 +11,11 @@ from weier.pipeline.products import CLAIMS, DATA, PAGE, made_of
 
 
 def make_product(curves: Curves, name: str, folder: Path) -> None:
-    """Make a product in a folder that is named by the digest of what the plan saw.
+    """Make a product in a new folder, which is named by the digest of what it is made of.
 
-    ValueError is raised if the scene or the code has changed since, if a curve is not solved, or if a figure cannot
-    be drawn.
+    ValueError is raised if a curve is not solved, if a figure cannot be drawn, or if the code changes meanwhile.
     """
-    try:
-        if not folder.name.startswith(made_of(curves, name)):
-            raise ValueError(f"{curves.scene.name} or weier has changed since the plan: run snakemake again")
-        folder.mkdir(parents=True)
-        _make(curves, folder, name)
-    except ValueError as error:
-        raise ValueError(f"{name} cannot be made: {error}") from error
-
-
-def _make(curves: Curves, folder: Path, name: str) -> None:
+    folder.mkdir(parents=True)
     if name == DATA:
         claims.write(curves, folder / DATA, folder / CLAIMS)
     elif name == PAGE:
@@ -39,3 +29,5 @@ def _make(curves: Curves, folder: Path, name: str) -> None:
         unread = figures.undrawn(figure.draw)
         studies = [read_study(curves, study, unread) for study in figure.all_studies]
         figures.draw(figure, studies, folder / name, (*figures.METADATA, figures.VALUES))
+    if not folder.name.startswith(made_of(curves, name)):
+        raise ValueError("weier has changed meanwhile: run snakemake again")

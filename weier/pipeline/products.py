@@ -1,8 +1,8 @@
 """The products of a scene, and the stamps that tell what each product was made from.
 
 `results/SCENE/.made_of/JOB/PRODUCT/DIGEST` is a stamp: a folder with the files of the product as they were made. Its
-name is the digest of the curves that the product reads, its entry in the scene and the code that makes it, so that
-Snakemake only has to make missing folders of jobs.
+name is the digest of the curves that the product reads, its entry in the scene and the code that makes it, and JOB is
+named by the stamps that it makes, so that Snakemake only has to make missing folders of jobs.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from weier.scene.identity import digest_of_keys
 
 # Products of a scene other than figures: the dataset with the claims, and the explorer. Figure names have no dot.
 DATA, CLAIMS, PAGE = "contact.nc", "claims.md", "page.html"
+ALL = "all.products"  # stands for all products of a scene
 FORMATS = ("png", "pdf", "svg", "csv")  # each figure is written in these formats
 STAMPS = ".made_of"
 ROOMS = ("data", "scene", "api", "pipeline", "figures")  # rooms that make products of curves
@@ -37,8 +38,8 @@ def files_of(product: str) -> list[str]:
 
 
 def studies_of(scene: Scene, product: str) -> tuple[str, ...]:
-    """Return the studies that a product reads."""
-    return tuple(scene.studies) if product in (DATA, PAGE) else scene.figure(product).all_studies
+    """Return the studies that a product reads, or ALL."""
+    return tuple(scene.studies) if product in (DATA, PAGE, ALL) else scene.figure(product).all_studies
 
 
 def made_of(curves: Curves, product: str) -> str:
@@ -54,23 +55,36 @@ def made_of(curves: Curves, product: str) -> str:
     return digest([*common, repr(scene.interface), scene.load_unit, *own])[:DIGITS]
 
 
-def stamp_of(folder: Path, product: str, made_of: str) -> tuple[Path, bool]:
-    """Return the stamp of a product with this digest, and whether the product's files are those of the stamp.
+def stamp_of(curves: Curves, folder: Path, product: str) -> tuple[str, bool]:
+    """Return the stamp of a product in the folder of its scene, and whether the product is fresh.
 
-    A product whose files have changed since needs a stamp of another name. Where it is missing, the path is relative
-    to the job that makes it.
+    It is fresh if its files are those in the stamp JOB/PRODUCT/DIGEST, whatever their dates. Otherwise, the stamp is
+    the PRODUCT/DIGEST to make, with another name than those of stamps with other files.
     """
-    known = sorted((folder / STAMPS).glob(f"*/{product}/{made_of}*"))
+    stamps, wanted = folder / STAMPS, f"{product}/{made_of(curves, product)}"
+    known = sorted(path.relative_to(stamps).as_posix() for path in stamps.glob(f"*/{wanted}*"))
     files = [folder / file for file in files_of(product)]
     for stamp in known:
-        if all(file.is_file() and _same(file, stamp / file.name) for file in files):
+        if all(_same(file, stamps / stamp / file.name) for file in files):
             return stamp, True
-    edited = f".{digest([str(path.relative_to(folder)) for path in known])[:DIGITS]}" if known else ""
-    return Path(product, f"{made_of}{edited}"), False
+    edited = f".{digest(known)[:DIGITS]}" if known else ""
+    return f"{wanted}{edited}", False
 
 
 def _same(file: Path, other: Path) -> bool:
-    return other.is_file() and filecmp.cmp(file, other, shallow=False)
+    return file.is_file() and other.is_file() and filecmp.cmp(file, other, shallow=False)
+
+
+def stale(curves: Curves, folder: Path, what: str) -> list[str]:
+    """Return the stamps PRODUCT/DIGEST that are missing of a product, or of ALL."""
+    named = names_of(curves.scene) if what == ALL else [what]
+    stamps = [stamp_of(curves, folder, product) for product in named]
+    return [stamp for stamp, fresh in stamps if not fresh]
+
+
+def job_of(what: str, stamps: list[str]) -> str:
+    """Return the name of the job that makes these stamps of a product, or of ALL."""
+    return f"{what}.{digest(stamps)[:DIGITS]}"
 
 
 def remove_older(job: Path, product: str) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from weier.checks import checked_word, shown
 from weier.data.files import check_target
@@ -19,18 +19,19 @@ from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
 from weier.pipeline import products
 from weier.pipeline.needed_curves import SURFACE, Curves, Part, share
+from weier.pipeline.products import ALL
 from weier.pipeline.store import Store
 from weier.scene import Scene
 from weier.scene.identity import digest_of_keys
 
 RESULTS = Path("results")
-ALL = "all.products"  # of the scenes of the configuration; the name of a figure has no dot
-BETWEEN = "~"  # separates scene and product; neither name contains it
 # Minutes of a job in addition to the expected ones, for a busy disk; expected seconds may be wrong by this factor. A
 # job that needs more is run again with twice as many.
 BASE_MINUTES, SECONDS_FACTOR = 5, 5
 # arbitrary within a factor of two, since curves do not depend on the jobs that solve them: starting a job takes 1 s
 JOB_SECONDS = 10.0
+
+T = TypeVar("T")
 
 
 @contextmanager
@@ -42,26 +43,27 @@ def ending_in_one_sentence() -> Iterator[None]:
         raise SystemExit(f"weier: {error}") from None
 
 
+def once(function: Callable[..., T]) -> Callable[..., T]:
+    """Return a function that remembers what it returns, since Snakemake calls it several times, and ends as above."""
+    return cache(ending_in_one_sentence()(function))
+
+
 class Plan:
     """The plan of one run of Snakemake; methods that take `wildcards` are functions for its rules.
 
-    `names` are the scenes of the configuration, `load` finds a scene by its name, and `slots` is the number of jobs
-    that can run at once.
+    `names` are the scenes of the configuration, `load` loads a scene by its name from a folder, and `slots` is the
+    number of jobs that can run at once.
     """
 
-    def __init__(self, names: Sequence[str], load: Callable[[str], Scene], slots: int) -> None:
+    def __init__(self, names: Sequence[str], load: Callable[[str, str], Scene], folder: str, slots: int) -> None:
         self.names, self.slots, self.numerics, self._makes_all = names, slots, numerics(), False
         store = Store(RESULTS / "curves", self.numerics)
-        # Cached, since Snakemake calls them several times.
-        self.scene = cache(ending_in_one_sentence()(load))
-        self.curves = cache(lambda name: Curves(self.scene(name), store))
-        self.missing, self.stamp = cache(self._missing), cache(self._stamp)
-
-    @ending_in_one_sentence()
-    def check_folders(self) -> None:
-        """Refuse folders of results that are closed to writing, before anything runs."""
-        for folder in ("", *self.names) if self._makes_all else ("",):
-            check_target(RESULTS / folder / "any")
+        self.file = f"{folder}/{{}}.yaml".format  # of a scene
+        self.scene = once(lambda name: load(name, folder))
+        self.curves = once(lambda name: Curves(self.scene(name), store))
+        self.missing = once(lambda what: missing(what, self.curves))
+        self.stamp = once(lambda name, product: products.stamp_of(self.curves(name), RESULTS / name, product))
+        self.stale = once(lambda name, what: products.stale(self.curves(name), RESULTS / name, what))
 
     # --- products ---
 
@@ -75,37 +77,23 @@ class Plan:
                 files.append(self.job(name, product)[0])
         return files
 
-    @ending_in_one_sentence()
-    def _stamp(self, name: str, product: str) -> tuple[Path, bool]:
-        """Return the stamp of a product, and whether it is fresh; dates do not matter."""
-        curves = self.curves(name)
-        return products.stamp_of(RESULTS / name, product, products.made_of(curves, product))
-
     def job(self, name: str, product: str) -> tuple[str, bool]:
         """Return the folder of the job that makes a product, or that made it, and whether the product is fresh.
 
-        A product that is named is made alone, others together, since a process spends two seconds on imports.
+        A product that is named is made alone. All others of a scene are made by one job, since a process spends two
+        seconds on imports.
         """
         stamp, fresh = self.stamp(name, product)
-        if fresh:
-            return str(stamp.parents[1]), True
-        named = products.names_of(self.scene(name))
-        count = self.slots if self._is_of_all(name) else len(named)
-        share = f"{named.index(product) % count}-of-{count}"
-        stamps = digest(self._stamps(name, share))[:DIGITS]
-        return str(RESULTS / name / products.STAMPS / f"{share}.{stamps}"), False
+        if not fresh:
+            what = ALL if self._makes_all and name in self.names else product
+            stamp = products.job_of(what, self.stale(name, what))
+        return str(RESULTS / name / products.STAMPS / Path(stamp).parts[0]), fresh
 
-    def stamps(self, wildcards: Any, output: Any = None) -> list[str]:
-        """Return the stamps of the products that a job makes."""
-        return self._stamps(wildcards.scene, wildcards.share)
-
-    def _stamps(self, name: str, share: str) -> list[str]:
-        """Return the stamps of a share of the products, but of those that are fresh."""
-        stamps = [self.stamp(name, product) for product in dealt(products.names_of(self.scene(name)), share)]
-        return [str(stamp) for stamp, fresh in stamps if not fresh]
-
-    def _is_of_all(self, name: str) -> bool:
-        return self._makes_all and name in self.names
+    def made_of(self, wildcards: Any, product: str, ancient: Callable[[str], Any]) -> dict[str, Any]:
+        """Return the folder of the job that makes a product, and the file of its scene; `ancient` if it is fresh."""
+        folder, fresh = self.job(wildcards.scene, product.format(**wildcards))
+        files = {"folder": folder, "scene": self.file(wildcards.scene)}
+        return {name: ancient(file) for name, file in files.items()} if fresh else files
 
     @property
     def new_digests(self) -> str:
@@ -117,15 +105,8 @@ class Plan:
 
     def solved(self, wildcards: Any) -> list[str]:
         """Return the jobs that solve the missing curves of the products that a job makes."""
-        name = wildcards.scene
-        if self._is_of_all(name):
-            return self._jobs(ALL)
-        named = dealt(products.names_of(self.scene(name)), wildcards.share)
-        return [job for product in named for job in self._jobs(f"{name}{BETWEEN}{product}")]
-
-    @ending_in_one_sentence()
-    def _missing(self, what: str) -> list[Part]:
-        return missing(what, self.names, self.curves)
+        names = self.names if wildcards.what == ALL else [wildcards.scene]
+        return self._jobs("/".join([*names, wildcards.what]))
 
     def _jobs(self, what: str) -> list[str]:
         """Return the jobs that solve the missing curves: at most `slots`, and none too short."""
@@ -135,6 +116,10 @@ class Plan:
         keys = digest([[part.kind.name, digest_of_keys(part.keys)] for part in parts])[:DIGITS]
         folder = RESULTS / "curves" / ".solved" / what / self.numerics / keys
         return [str(folder / f"{number}-of-{count}") for number in range(count)]
+
+    def files(self, wildcards: Any, output: Any) -> list[str]:
+        """Return the files of the scenes of a job of curves."""
+        return list(map(self.file, wildcards.what.split("/")[:-1]))
 
     def seconds(self, wildcards: Any, output: Any = None) -> int:
         """Return the expected seconds of a job of curves."""
@@ -165,23 +150,15 @@ def _seconds(parts: Iterable[Part]) -> float:
     return float(sum(part.seconds.sum() for part in parts))
 
 
-def dealt(names: Sequence[str], share: str) -> Sequence[str]:
-    """Return a share of some names, such as 0-of-2."""
-    number, count = map(int, share.split("-of-"))
-    return names[number::count]
-
-
-def missing(what: str, names: Sequence[str], curves: Callable[[str], Curves], job: str = "") -> list[Part]:
-    """Return curves that the store lacks, of ALL products of the named scenes or of one, SCENE~PRODUCT.
+def missing(what: str, curves: Callable[[str], Curves], job: str = "") -> list[Part]:
+    """Return curves that the store lacks, of a product of one scene or of ALL of several, SCENE/.../PRODUCT.
 
     The share of a `job` such as 0-of-2 does not depend on what others have solved meanwhile.
     """
-    if what == ALL:
-        wanted = [part for name in names for part in curves(name).parts_for()]
-    else:
-        name, _, product = what.partition(BETWEEN)
-        names, wanted = [name], curves(name).parts_for(products.studies_of(curves(name).scene, product))
-    return curves(names[0]).store.lacking(share(wanted, *map(int, job.split("-of-"))) if job else wanted)
+    *names, product = what.split("/")
+    scenes = list(map(curves, names))
+    wanted = [part for own in scenes for part in own.parts_for(products.studies_of(own.scene, product))]
+    return scenes[0].store.lacking(share(wanted, *map(int, job.split("-of-"))) if job else wanted)
 
 
 def kernels_file(kernels: str) -> str:
