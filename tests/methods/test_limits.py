@@ -17,13 +17,14 @@ from math import inf
 from weier import Profile
 from weier.methods import bem, layer
 
-loads, few = [1e-4, 0.5, 2.0], Profile(1.5, 2, 4, (0.0, 1.0, 2.0, 3.0))
-curves = [layer.curve(Profile(1.25, 5, m), loads) for m in (3, inf)] + [bem.curve(few, [0.02, *loads[1:]], 128)]
+layers = Profile(1.25, 5, 3), Profile(1.7, 2, 6), Profile(1.25, 5, inf), Profile(1.3, 3, inf)
+curves = [layer.curve(profile, [1e-12, 1e-4, 0.5, 2.0]) for profile in layers]
+curves.append(bem.curve(Profile(1.5, 2, 4, (0.0, 1.0, 2.0, 3.0)), [0.02, 0.1, 0.5, 2.0], 128))
 print(json.dumps([[curve.compliance.tolist(), curve.resistance.tolist()] for curve in curves]))
 """
 # Relative differences of h and R: the accuracy of tables and what it leaves of slopes; and the tolerance of tangents,
 # by which boundary elements correct their staircase, far below the errors of any grid
-LARGEST = 2 * [(2 * ACCURACY, 2e-3)] + [(1e-7, 1e-5)]
+LARGEST = 4 * [(2 * ACCURACY, 2e-3)] + [(1e-7, 1e-5)]
 # Each start, contacts and gaps, few and hundreds of them, beside a merger and through all events of a range of loads.
 PATCHES = """
 import json

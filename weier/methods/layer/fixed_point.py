@@ -30,20 +30,16 @@ from weier.methods.layer.scaling_tables import (
 from weier.methods.layer.wave import closure_sensitivity
 
 TABLE_FRACTION = 0.5  # fraction of the accuracy for the table; the residuals of the waves have the rest
-MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's estimate
-MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
 MAX_STEPS = 400  # Newton steps; 7 to 30 are usual
 MAX_STEP = 0.5  # largest change of ln W in a step
-MIN_PART = 1e-3  # smallest part of the way from TW to the new table that is tried if a wave does not converge
-RESIDUAL_FRACTION = 0.1  # ratio of the waves' residual to the relative error of the table
-FLAT_MARGIN = 1.0  # ln xi from the lightest load at which a wave is practically flat to the end of a table
 
 
 def infinite_waves(model: Model, bottom: float) -> ComplianceTable:
     """Return the waves of the infinite series of a D and gamma, on a table from this position on."""
     # number of scales over which errors of ln W and residuals of waves add up at heavy loads
     gain = np.array([model.infinite_amplitude])
-    needed = RESIDUAL_FRACTION * TABLE_FRACTION * model.accuracy / (1 + model.infinite_amplitude)
+    # This number is an estimate, so that residuals are half of what it leaves to the table.
+    needed = 0.5 * TABLE_FRACTION * model.accuracy / (1 + model.infinite_amplitude)
     model = model._replace(tolerance=max(min(model.tolerance, needed), ROUNDING))
     limit = _limit(model, gain)
     rows, errors = _guess(model, lattice(bottom, math.asinh(_top(model)))), gain
@@ -66,7 +62,7 @@ def _top(model: Model) -> float:
     """
     step = model.log_pressure
     self_contained = -step - math.log(-math.expm1(-step))
-    return max(self_contained, -0.5 * math.log(model.accuracy)) + FLAT_MARGIN
+    return max(self_contained, -0.5 * math.log(model.accuracy))
 
 
 def _limit(model: Model, gain: Array) -> float:
@@ -88,16 +84,9 @@ def _scale(model: Model, rows: Rows) -> Scale:
 
 
 def _guess(model: Model, position: Array) -> Rows:
-    """Return a table near the fixed point: Archard's estimate at heavy loads, then row by row to lighter loads.
-
-    Contacts under light loads are small, and their pressures are heavy loads to the next finer wave.
-    """
-    heavy = position[log_load_at(position) >= MIN_ESTIMATED_LOAD]
-    log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), model.D, model.gamma, math.inf))
-    rows, _ = _newton(model, Rows(heavy, log_W, np.gradient(log_W, heavy), np.empty((heavy.size, 0))), MAX_GUESS_STEP)
-    for one in position[position < heavy[0]][::-1]:
-        rows = merge(_scale(model, rows).rows(np.array([one]), None), rows)
-    return rows
+    """Return Archard's estimate as a table, from which Newton's method starts."""
+    log_W = np.log(archard.compliance(np.exp(log_load_at(position)), model.D, model.gamma, math.inf))
+    return Rows(position, log_W, np.gradient(log_W, position), np.empty((position.size, 0)))
 
 
 def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
@@ -118,7 +107,7 @@ def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
         try:
             new = scale.rows(rows.position, rows.state if rows.state.size else None)
         except ConvergenceError:
-            if part < MIN_PART:
+            if part < ROUNDING:
                 raise
             part /= 4
             continue

@@ -8,6 +8,7 @@ lightest load of the table (e^-9 at 1e-305), and carries less than this part of 
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -20,9 +21,8 @@ from weier.methods.errors import ConvergenceError
 
 BOTTOM_POSITIONS = math.asinh(-58), math.asinh(-711)  # first row: xi = e^-58 and e^-711
 MIN_LOADS = 1e-18, 1e-305  # lightest loads for tables from these rows
-MAX_POSITION = math.asinh(709)  # last row: double precision ends at e^709.8
-CELL_LENGTH = 0.25  # initial spacing of the rows, in positions
-MIN_CELL = 1e-3  # a shorter last cell, relative to the others, is merged with the previous one
+MAX_POSITION = math.asinh(math.floor(math.log(sys.float_info.max)))  # last row: the largest float is e^709.8
+CELL_LENGTH = 0.25  # largest initial spacing of the rows, in positions
 MAX_ROWS = 100_000  # the smallest accuracy needs some thousands of rows
 
 
@@ -95,10 +95,9 @@ def log_load_at(position: ArrayLike) -> Array:
 
 
 def lattice(bottom: float, top: float) -> Array:
-    """Return positions of the first rows, up to the top and ending there."""
+    """Return positions of the first rows, equally spaced from the bottom to the top."""
     top = min(top, MAX_POSITION)
-    position = bottom + CELL_LENGTH * np.arange(max(math.ceil((top - bottom) / CELL_LENGTH - MIN_CELL), 1))
-    return np.append(position, top)
+    return np.linspace(bottom, top, math.ceil((top - bottom) / CELL_LENGTH) + 1)
 
 
 def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
