@@ -7,7 +7,8 @@ from matplotlib.figure import Figure
 
 from tests.scenes import blank
 from weier import figures
-from weier.figures import interpolation, many_curves, tables
+from weier.figures import many_curves, tables
+from weier.methods import westergaard
 from weier.scene import Figure as Wanted
 from weier.scene import Grouping
 
@@ -122,9 +123,21 @@ def test_surfaces_that_differ_in_the_first_phase_alone_are_lines_of_their_own(sw
 def test_medians_by_arrays_are_those_of_single_curves(sweep: xr.Dataset) -> None:
     """The lines of all cases, one by one, and their percentiles at common loads."""
     (axes,) = sketch(sweep.isel(solution_method=[1]), colour="gamma", median_over=("seed",)).axes
-    drawn = [interpolation.line(sweep.isel(case=row), "compliance", "bem") for row in range(SEEDS)]
+    own = tables.Values(sweep, "compliance")
+    drawn = [own.line(row, METHODS.index("bem")) for row in range(SEEDS)]
     middle = np.median([values for _, values in drawn], axis=0)
     np.testing.assert_allclose(axes.get_lines()[0].get_xydata(), np.transpose([drawn[0][0], middle]))
+
+
+def test_a_compliance_is_no_polygon():
+    loads = np.array([0.01, 0.1, 0.4, 0.8, 0.944, 1.1, 2.0])
+    h, fine = westergaard.compliance(loads), tables.refined_loads(loads)
+    smooth = tables.smooth_compliance(loads, h, westergaard.resistance(loads))
+    values, exact, inside = smooth(fine), westergaard.compliance(fine), fine < loads[4]
+    polygon = np.abs(np.interp(fine, loads, h) - exact)[inside].max()
+    assert np.abs(values - exact)[inside].max() < 0.1 * polygon
+    assert values[:: tables.PIECES] == pytest.approx(h, abs=1e-15)
+    assert tables.smooth_compliance(loads, h, np.full(loads.size, np.nan)) is None
 
 
 def test_traces_of_one_name_are_told_apart_by_what_differs() -> None:
@@ -140,7 +153,7 @@ def test_traces_of_one_name_are_told_apart_by_what_differs() -> None:
     )
     columns = dict(zip(("trace", "trace_shortest", "trace_digest"), zip(*rows, strict=True), strict=True))
     data = data.assign_coords({name: ("case", np.array(column)) for name, column in columns.items()})
-    names = tables.table_of([tables.Values(data, "compliance", None)])["trace"].tolist()
+    names = tables.table_of([tables.Values(data, "compliance")])["trace"].tolist()
     micro = "\u00b5m"
     assert names == [
         f"x.csv, shortest 5 {micro}",

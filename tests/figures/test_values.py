@@ -10,7 +10,8 @@ from tests.figures.test_figures import many_cases
 from tests.figures.test_figures import studies as studies  # a fixture
 from weier import Interface, figures
 from weier.data.bodies import Bodies
-from weier.figures import interpolation, values
+from weier.figures import values
+from weier.figures.tables import Values
 from weier.scene import Figure, Grouping
 
 BODIES = {"mu_1": 8e10, "mu_2": 8e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 2e-7, "rho_2": 2e-7, "lambda_0": 1e-3}
@@ -30,7 +31,8 @@ def test_lines_and_bands_are_those_of_the_data(studies, si):
     x, y = ("mean pressure p (Pa)", "compliance h (m)") if si else ("mean pressure p/p_0*", "compliance h/g_0")
     assert list(rows[0])[:4] == ["panel", "curve", x, y]
     drawn = [(float(row[x]), float(row[y])) for row in rows if row["curve"] == "Demelio"]
-    loads, h = interpolation.line(one.isel(case=0), "compliance", "demelio")
+    own = Values(one, "compliance")
+    loads, h = own.line(0, own.methods.index("demelio"))
     scale = Interface(**BODIES, g_0=1e-6)
     expected = (scale.pressure(loads), scale.compliance(h)) if si else (loads, h)
     found = np.transpose(drawn)

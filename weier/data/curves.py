@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -68,24 +68,9 @@ def most_accurate(study: Case) -> tuple[Flags, Indices]:
     return solved.any(axis=1), np.array(columns)[np.argmax(solved, axis=1)]
 
 
-def numerical_methods(case: Case) -> Iterator[str]:
-    """Yield the numerical methods that solved the case, the most accurate first."""
-    return (method for method in numerical_names() if curve(case, "compliance", method) is not None)
-
-
 def numerical_method(case: Case) -> str | None:
     """Return the most accurate numerical method that solved the case, or None."""
-    return next(numerical_methods(case), None)
-
-
-def as_study(case: xr.Dataset) -> xr.Dataset:
-    """Return a study of one case."""
-    return case.reset_coords().expand_dims("case")
-
-
-def full_contact_load(cases: Iterable[xr.Dataset]) -> float:
-    """Return the first load at which all cases are close to full contact, or the last load."""
-    return max((float(full_contact_loads(as_study(case))[0]) for case in cases), default=np.nan)
+    return next((method for method in numerical_names() if curve(case, "compliance", method) is not None), None)
 
 
 def full_contact_loads(study: xr.Dataset) -> Array:

@@ -20,8 +20,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from weier.data.bodies import Bodies
-from weier.figures import interpolation, style
-from weier.figures.tables import Extent, Values, extent, table_of
+from weier.figures import style
+from weier.figures.tables import Extent, Values, extent, refined_loads, smooth_compliance, table_of
 from weier.figures.values import band, line
 from weier.kernels.arrays import Array
 from weier.methods.curve import COMPLIANCE, QUANTITIES
@@ -172,13 +172,11 @@ def _reduce(same: pd.DataFrame, tables: Sequence[Values], quantity: str) -> tupl
     loads = parts[0][0].loads
     values = np.concatenate([own.values[rows, columns] for own, rows, columns in parts])
     slope = np.concatenate([own.slope[rows, columns] for own, rows, columns in parts])
-    if quantity != COMPLIANCE or loads.size < 2 or not np.isfinite(slope).all():
+    if quantity != COMPLIANCE or not (smooth := smooth_compliance(loads, values, slope)):
         return loads, np.percentile(values, PERCENTILES, axis=0)
-    fine = interpolation.refined_loads(loads)
+    fine = refined_loads(loads)
     pieces = np.array_split(fine, math.ceil(fine.size * len(same) / MAX_VALUES))
-    each = (interpolation.compliance_at(piece, loads, values, slope) for piece in pieces)
-    reduced = [np.percentile(values, PERCENTILES, axis=0) for values in each]
-    return fine, np.concatenate(reduced, axis=1)
+    return fine, np.concatenate([np.percentile(smooth(piece), PERCENTILES, axis=0) for piece in pieces], axis=1)
 
 
 def _values(drawn: Iterable[PlottedCurve], name: str) -> list[Hashable]:

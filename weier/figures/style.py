@@ -8,9 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-import xarray as xr
 
-from weier.data import curves
 from weier.data.bodies import Bodies
 from weier.data.variables import VARIABLES
 from weier.methods import registry
@@ -136,19 +134,6 @@ def column(title: str, names: Sequence[str], height: float = HEIGHT, **options: 
         name_panel(panel, number, len(names), name)
     set_title(figure, title)
     return figure, axes
-
-
-def column_of_series(
-    studies: Sequence[xr.Dataset], title: str, quantity: str, *names: str
-) -> tuple[Figure, list[tuple[Axes, list[xr.Dataset]]]]:
-    """Return a single-column figure over the load, with a panel for each value of the parameters."""
-    solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
-    title, series = limit_panels(title, curves.groups(solved, *names), "series")
-    figure, panels = column(title, [describe(cases[0], *names) for cases in series])
-    for axes in panels:
-        axes.set_ylabel(LABELS[quantity])
-    panels[-1].set_xlabel(LABELS["mean_pressure"])
-    return figure, list(zip(panels, series, strict=True))
 
 
 def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figure, list[Axes]]:

@@ -10,15 +10,17 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import xarray as xr
+from scipy.interpolate import CubicHermiteSpline
 
 from weier import units
 from weier.data import curves
 from weier.data.bodies import Bodies
-from weier.figures import interpolation, style
+from weier.figures import style
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.curve import COMPLIANCE, RESISTANCE
 from weier.surface.profile import PARAMETERS
 
+PIECES = 8  # segments between two loads that look smooth in print
 UNITS = "p_0*", "g_0", "g_0/p_0*"  # units of load, compliance and resistance
 # Properties that may distinguish two traces of one name, with their text in a legend.
 DIFFERENCES: dict[str, Callable[[Any], str]] = {
@@ -50,10 +52,10 @@ class Values:
     best : the column of the most accurate numerical method of each case, or -1
     loads : mean pressures in the unit of the study
     values, stated : the quantity and its stated errors, if any, shape (cases, methods, loads)
-    h, slope : compliance, and its slope over the loads
+    slope : that of the compliance over the loads
     """
 
-    def __init__(self, study: xr.Dataset, quantity: str, interface: Bodies | None) -> None:
+    def __init__(self, study: xr.Dataset, quantity: str, interface: Bodies | None = None) -> None:
         self.study, self._quantity = study, quantity
         self.methods: list[str] = study["solution_method"].values.tolist()
         self.loads: Array = study["mean_pressure"].values
@@ -67,7 +69,7 @@ class Values:
             values: Array = study[name].values
             return values * scale if interface else values  # no copy of a large study
 
-        self.h, self.slope = scaled("compliance", height), scaled("resistance", height / pressure)
+        self.slope = scaled("resistance", height / pressure)
         scale = {COMPLIANCE: height, RESISTANCE: resistance}.get(quantity, np.ones(1))
         self.values, error = scaled(quantity, scale), f"{quantity}_error"
         self.stated = scaled(error, scale) if error in study else None
@@ -77,9 +79,24 @@ class Values:
 
     def line(self, row: int, column: int) -> tuple[Array, Array]:
         """Return one curve, at its loads and between them."""
-        if self._quantity != COMPLIANCE:
-            return self.loads, self.values[row, column]
-        return interpolation.between_loads(self.loads, self.h[row, column], self.slope[row, column])
+        values = self.values[row, column]
+        smooth = smooth_compliance(self.loads, values, self.slope[row, column])
+        if self._quantity != COMPLIANCE or smooth is None:
+            return self.loads, values
+        fine = refined_loads(self.loads)
+        return fine, smooth(fine)
+
+
+def smooth_compliance(loads: Array, h: Array, slope: Array) -> CubicHermiteSpline | None:
+    """Return compliances as a function of the load, with the resistance as slope; None if either is unknown."""
+    known = loads.size > 1 and np.isfinite(h).all() and np.isfinite(slope).all()
+    return CubicHermiteSpline(loads, h, slope, axis=-1) if known else None
+
+
+def refined_loads(loads: Array) -> Array:
+    """Return the loads and others between them, in equal ratios, shape (PIECES (loads - 1) + 1,)."""
+    ratio = (loads[1:] / loads[:-1])[:, None] ** (np.arange(PIECES) / PIECES)
+    return np.append((loads[:-1, None] * ratio).ravel(), loads[-1])
 
 
 def table_of(tables: Sequence[Values]) -> pd.DataFrame:
