@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -95,16 +94,9 @@ def plot(path: Path, force: bool, quantity: str, workers: int, **given: Any) -> 
 
 
 def _as_json(curves: xr.Dataset) -> str:
-    """Return the curves of one case in the form of `xarray.Dataset.to_dict`."""
-    return json.dumps(_plain(curves.isel(case=0).to_dict()), indent=1, allow_nan=False)
+    """Return the curves of one case in the form of `xarray.Dataset.to_dict`.
 
-
-def _plain(value: Any) -> Any:
-    """Return a value for JSON, which has no nan and no inf: null is a missing number or minus infinity."""
-    if isinstance(value, dict):
-        return {name: _plain(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return "inf" if value > 0 else None
-    return value
+    JSON has no nan and no inf: null is a missing number or minus infinity.
+    """
+    values = json.dumps(curves.isel(case=0).to_dict())
+    return json.dumps(json.loads(values, parse_constant={"Infinity": "inf"}.get), indent=1, allow_nan=False)
