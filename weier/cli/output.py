@@ -16,7 +16,6 @@ from weier import units
 from weier.api.task import Known
 from weier.cli.call import Call, solved_loads
 from weier.data import dataset
-from weier.data.files import check_target
 from weier.data.variables import LOADS, VARIABLES
 from weier.digests import numerics
 from weier.kernels.arrays import Array
@@ -50,7 +49,6 @@ class SolutionFile:
             "code": numerics(),
         }
         self.problem = {name: json.dumps(part, sort_keys=True) for name, part in parts.items()}
-        check_target(self.part)
 
     def known(self) -> dict[str, Known]:
         """Return the solved curves of the files; ValueError for another problem or further loads."""

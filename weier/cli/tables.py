@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from itertools import compress
 from pathlib import Path
@@ -13,8 +12,7 @@ import click
 from weier import units
 from weier.cli import options
 from weier.cli.options import FILE, FORCE, SI, Output
-from weier.data.curves import CONTACT_PRESSURE
-from weier.data.ensembles import CLOSE_CUTOFFS, PERCENTILES
+from weier.data.ensembles import CLOSE_CUTOFFS
 from weier.data.files import write_text
 from weier.scene import Grouping
 
@@ -29,8 +27,6 @@ COLUMNS = (
     *("mean_pressure", "cases", "resistance_median", "resistance_percentile_10", "resistance_percentile_90"),
     *("resistance_numerical_error", "compliance_median", "contact_fraction_median", "contact_pressure_median"),
 )
-# end of a column name that follows the name of a quantity
-STATISTIC_SUFFIX = re.compile(f"_(mean|deviation|{'|'.join(PERCENTILES)}|numerical_error)$")
 
 
 @click.command()
@@ -156,8 +152,9 @@ def _with_units(frame: pd.DataFrame, data: xr.Dataset) -> pd.DataFrame:
     """Return a table of curves, or of their ensembles, with units in brackets in its headings."""
 
     def heading(column: str) -> str:
-        name = column if column in data.variables else STATISTIC_SUFFIX.sub("", column)
-        unit = units.unit_of(data.get("mean_pressure" if name == CONTACT_PRESSURE else name))
+        # A statistic, such as resistance_median, has the unit of its quantity. contact_pressure is no variable.
+        quantities = (str(name) for name in data.variables if column.startswith(str(name)))
+        unit = units.unit_of(data[max(quantities, key=len, default="mean_pressure")])
         return column if unit in units.WITHOUT else f"{column} ({unit})"
 
     return frame.rename(columns=heading)

@@ -49,8 +49,6 @@ def curve(
         if name not in scalars
     }
     attributes = provenance.result_attributes() | {**settings, **scalars}
-    # netCDF has no booleans.
-    attributes |= {name: json.dumps(value) for name, value in attributes.items() if isinstance(value, bool)}
     attributes["settings"] = json.dumps(dict(settings), sort_keys=True)
     return marked(xr.Dataset(data, attrs=attributes).set_coords([*labels]))
 
