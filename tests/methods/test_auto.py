@@ -15,7 +15,6 @@ from weier.surface.profile import Profile, random_phases
 LOADS = np.array([1e-3, 0.03, 0.3, 1.0])
 INFINITE = Profile(1.25, 5, math.inf, random_phases(3))
 THREE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
-STEEL = weier.Interface(E_1=2e11, E_2=2e11, nu_1=0.3, nu_2=0.3, rho_1=1e-7, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
 
 
 def test_a_thousandth_of_the_infinite_series_takes_six_or_seven_terms():

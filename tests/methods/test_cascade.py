@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from tests import westergaard as fields
 from weier import NotApplicableError, Profile, solve
-from weier.methods import cascade, persson, westergaard
+from weier.methods import cascade, westergaard
 
 LOADS = np.array([0.01, 0.1, 1.0])
 
@@ -105,16 +105,6 @@ def test_finer_tables_change_less_than_their_accuracy(series, monkeypatch):
     monkeypatch.setattr(cascade, "CONVERGENCE_TOLERANCE", 1e-9)
     change = np.abs(cascade.contact_fraction(p, *series) / usual - 1).max()
     assert change < (3e-4 if series[-1] > 10 else 1e-4)
-
-
-@pytest.mark.parametrize(
-    ("D", "gamma", "m", "p"), [(1.25, 5, 3, 0.1), (1.25, 5, 4, 1.0), (1.5, 5, 3, 0.1), (1.5, 2, 4, 0.1)]
-)
-def test_it_is_nearer_to_contact_patches_than_perssons_theory(D, gamma, m, p):
-    exact = np.median([float(solve(Profile(D, gamma, m, seed=seed), [p]).contact_fraction[0]) for seed in range(8)])
-    own, other = (float(theory.contact_fraction(p, D, gamma, m)) for theory in (cascade, persson))
-    assert abs(own - exact) < abs(other - exact)
-    assert other < own < exact
 
 
 def test_series_that_take_too_many_tables_are_refused():

@@ -4,24 +4,12 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from tests.reference import REFERENCES
 from weier import Profile
 from weier.methods import patches, westergaard
-from weier.surface.series import amplitude, tail_amplitude
+from weier.surface.series import tail_amplitude
 from weier.theory.bounds import complete_bounds, first_contact, infinite_series_bounds, resistance_bounds
 
 D, GAMMA = 1.25, 5
-
-
-def reference_curve(m):
-    """Loads, compliance and resistance of m terms with phases 0, 1, 2, 3."""
-    (found,) = (reference for reference in REFERENCES if reference.profile == Profile(D, GAMMA, m, range(m)))
-    return found.mean_pressure, found.compliance, found.resistance
-
-
-def left_out(m, longer):
-    """Amplitude of the terms m ... longer - 1."""
-    return float(np.sum(amplitude(np.arange(m, longer), D, GAMMA)))
 
 
 def test_an_error_of_the_compliance_widens_27():
@@ -48,18 +36,6 @@ def test_bounds_of_the_infinite_series_hold_and_are_nearly_attained_by_longer_se
         distances = (exact.compliance - low).min() / width, (high - exact.compliance).min() / width
         nearest = np.minimum(nearest, distances)
     assert np.all(nearest < 0.67)
-
-
-@pytest.mark.parametrize("longer", [2, 3, 4])
-@pytest.mark.parametrize("first_contact", [None, 0.0])
-def test_one_wave_bounds_the_resistance_of_longer_series(longer, first_contact):
-    nodes, _, R = reference_curve(longer)
-    p = np.unique(np.concatenate([nodes, np.geomspace(1e-9, 2, 400)]))
-    bounds = resistance_bounds(p, westergaard.compliance(p), left_out(1, longer), first_contact)
-    lower, upper = (b[np.searchsorted(p, nodes)] for b in bounds)
-    assert np.all(lower <= R)
-    assert np.all(upper >= R)
-    assert np.any(lower > 0)
 
 
 def tangent_lines(p, G):

@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.optimize import linprog
 from scipy.special import jv
 
-from tests.methods.patches.westergaard_states import KINDS, WAVES, OneWave
+from tests.methods.patches.westergaard_states import KINDS, OneWave
 from tests.profiles import THREE_WAVES
 from weier.methods import patches
 from weier.methods.error_model import COMPLIANCE_ROUNDING
@@ -72,7 +72,6 @@ def test_no_bound_follows_from_as_much_tension_as_load():
     assert bound_by(0.3, 0.1, pressure=[0.1], width=[1.0]) == np.inf
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("width", [1e-3, 0.1, 0.5, 0.9])
 def test_pressures_on_a_width_move_the_surface_by_no_more_than_the_bound(period, width):
     """The potential of a constant pressure on the width, from the Fourier series of -2 ln|2 sin|."""
@@ -106,7 +105,6 @@ def test_a_state_that_is_wrong_by_a_height_or_a_load_is_certified_to_no_less(loa
     assert deviation <= certified(moved._replace(load=load))
 
 
-@pytest.mark.parametrize("wave", WAVES)
 def test_a_missing_load_and_gaps_that_do_not_close_are_violations(wave):
     contacts, gaps = wave.state(False), wave.state(True)
     assert contacts.kind.imbalance(contacts, wave.period)[0] == pytest.approx(0, abs=1e-12 * wave.load)
@@ -123,7 +121,6 @@ def test_a_missing_load_and_gaps_that_do_not_close_are_violations(wave):
     assert found.error == pytest.approx(closure, rel=1e-4)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
     """int w dx/[2 L^2 sin^2(pi (x-c)/L)] over both gaps beside a contact, by quadrature."""
     wave, volume, t = OneWave(period, 0.2 * period, 0.3 * period), 1e-9, 0.4
@@ -148,8 +145,6 @@ def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
         assert found.error == pytest.approx(doubt + bound, rel=1e-9, abs=0)
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("volume", [(1e-9, 3e-8), (3e-8, 1e-9)])
 @pytest.mark.parametrize("apart", [1.6, 1.5e-3])
 def test_tension_of_a_thin_gap_is_taken_off_in_another_one(period, dual, volume, apart):
@@ -173,7 +168,6 @@ def test_tension_of_a_thin_gap_is_taken_off_in_another_one(period, dual, volume,
     assert force <= (mean - sum(alone)) * period <= force / nearest**2
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("part", [0.1, 0.4])
 def test_pressures_in_gaps_and_tensions_between_them_are_bounded_on_their_widths(period, part):
     """A pressure in a part of the gap, and a parabola at a minimum of the pressure: each counts on its width."""
@@ -261,8 +255,6 @@ def moved(wave, change):
     return abs(wave._replace(half_width=wave.half_width + change).resistance - wave.resistance)
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("wave", WAVES)
 def test_edges_that_move_change_the_resistance_as_stated(wave, dual):
     """dR = (2 pi^2/L) sum B^2 delta is the derivative of -L ln sin^2(pi a/L)."""
     step = np.full((1, 2), 1e-7 * wave.period)
@@ -270,8 +262,6 @@ def test_edges_that_move_change_the_resistance_as_stated(wave, dual):
     assert left_over == pytest.approx(moved(wave, step[0, 0]), rel=1e-5, abs=0)
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("wave", WAVES)
 def test_the_next_move_of_an_edge_that_has_not_settled_counts_twice(wave, dual):
     r = wave.state(dual).segments.half_width[0]
     for move, factor in ((0.09, 1), (0.11, 2), (-0.11, 2)):
@@ -282,7 +272,6 @@ def test_the_next_move_of_an_edge_that_has_not_settled_counts_twice(wave, dual):
         assert stated_length(wave, dual, edge_move=step) == pytest.approx(factor * abs(move) * r, rel=1e-9, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_the_force_of_a_light_contact_limits_the_strengths_of_its_edges(period):
     """By rounding they are ten times those of Hertz's contact, A = sqrt(8) F/(pi a^(3/2)); then delta = a e/2F."""
     wave = OneWave(period, 1e-4 * period, 0.2 * period)
@@ -294,7 +283,6 @@ def test_the_force_of_a_light_contact_limits_the_strengths_of_its_edges(period):
     assert rounded == pytest.approx(moved(wave, move), rel=1e-3, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_an_edge_moves_by_the_gap_beside_it(period):
     """Two contacts 0.05 L apart, and the increment at one edge only; the length in contact changes by all moves."""
     r, A, none = np.full(2, 0.1 * period), np.full((2, 2), 3.0), np.zeros(2)
@@ -312,7 +300,6 @@ def test_an_edge_moves_by_the_gap_beside_it(period):
         assert (release * period / (2 * np.pi**2), length) == pytest.approx(expected, rel=1e-12, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_a_contact_or_a_gap_that_may_not_be_there_counts_whole(period):
     """R = R_0 - tau^2/(chi L), with chi of the contact, of none, or of the largest force; 8 times pi^2 b^2 q^2/L."""
     contact = OneWave(period, 1e-3 * period, 0.2 * period)
@@ -327,8 +314,6 @@ def test_a_contact_or_a_gap_that_may_not_be_there_counts_whole(period):
     assert stated(gap, height_error=1.0) == pytest.approx(8 * np.pi**2 * b**2 / period, rel=1e-3, abs=0)
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual):
     """Twice pi^2 b^2 q^2/L, b being 2^(1/2) times the interval of tension, with q by the strength at the edges."""
     wave = OneWave(period, 0.1 * period, 0.2 * period)
@@ -344,8 +329,6 @@ def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual):
     assert q == pytest.approx(exact, rel=0.05)
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
     """pi^2 b^2 q^2/L with b^2 = 4 q_0/kappa, and four times (b/l)^2 of it, with the nearest edge at l."""
     wave, t, b, q, curvature = OneWave(period, 0.2 * period, 0.2 * period), 0.4, 1e-4, 1.7, 30.0
@@ -376,7 +359,6 @@ def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
     assert stated_length(wave, dual, fixed, cracks=cracks) == pytest.approx(with_tension, rel=1e-5, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize(("part", "distance"), [(0.1, 0.5), (0.02, 0.025)])
 def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, distance):
     """tau^2/(chi L), where tau is at most R + 2 L ln 2, and chi is that of a punch, less the relief by one nearby."""
@@ -402,7 +384,6 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     assert length == pytest.approx(2 * np.sqrt(2) * period, rel=1e-9, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_rounding_widens_contacts(period):
     """Of curvatures, by half of itself relative to a; and of heights on crests that are not the highest."""
     wave = OneWave(period, 0.1 * period, 0.2 * period)

@@ -42,7 +42,6 @@ def psi_of_gap(r, a, shift, curvature):
     return Chebyshev([0, tension, -0.5 * curvature * shift * r, -0.125 * curvature * r**2]) * (-2 * np.pi)
 
 
-@pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("off", [-0.3, 0.0, 0.3])
 @pytest.mark.parametrize("wanted", [0.7, 1.0, 1.6])
 def test_a_narrow_segment_gets_its_width_and_its_middle_at_once(dual, off, wanted):
@@ -67,7 +66,6 @@ def psi_with(k_0, k_1, r, right):
     return Polynomial([end + inward, -inward]) if right else Polynomial([end + inward, inward])
 
 
-@pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("other_end", [0.0, 0.1])
 @pytest.mark.parametrize("square", [0.3, 1.0, 2.5])
 def test_what_is_narrow_between_segments_gets_its_width(dual, square, other_end):
@@ -98,7 +96,6 @@ def test_what_is_narrow_between_segments_gets_its_width(dual, square, other_end)
     assert relative == pytest.approx(np.abs(outward).max() / b)
 
 
-@pytest.mark.parametrize("dual", [False, True])
 def test_what_has_no_width_left_is_closed(dual):
     """A square of -0.5 by the formula: the gap on the right of the first segment closes, the other does not."""
     b, r = 0.01, 0.2
@@ -126,8 +123,6 @@ def displaced(segments, error):
 
 
 @one_thread
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("wave", WAVES)
 def test_a_step_squares_the_error_of_edges(wave, dual):
     """One wave whose edges are off by 1e-3 and 2e-3 of what is the narrower, contact or gap, to either side."""
     problem, exact, scale = problem_of(wave, dual)
@@ -145,8 +140,6 @@ def test_a_step_squares_the_error_of_edges(wave, dual):
 
 
 @one_thread
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("wave", WAVES)
 def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square_of_the_move(wave, dual):
     problem, exact, scale = problem_of(wave, dual)
     errors = []
@@ -170,8 +163,6 @@ def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square
 
 
 @one_thread
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("wave", WAVES)
 def test_a_step_from_the_right_edges_has_the_exact_density(wave, dual):
     """Moves follow from ratios of its coefficients, so that a wrong factor of all forces would not change them."""
     exact = wave.state(dual)
@@ -184,7 +175,6 @@ def test_a_step_from_the_right_edges_has_the_exact_density(wave, dual):
     assert step.move < 1e-9
 
 
-@pytest.mark.parametrize("dual", [False, True])
 def test_a_rearranged_guess_has_the_segments_that_remain_and_the_new_ones_in_order(dual):
     wave = WAVES[0]
     problem, exact, scale = problem_of(wave, dual)

@@ -5,7 +5,7 @@ import pytest
 import scipy.optimize
 
 from tests.methods.patches.test_thin_gaps import HEAVY, HEAVY_MERGER
-from tests.methods.patches.westergaard_states import WAVES, OneWave
+from tests.methods.patches.westergaard_states import OneWave
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import ConvergenceError, Profile, Trace
 from weier.accuracy.cosines import Cosines
@@ -15,8 +15,6 @@ from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.start import Starts
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("wave", WAVES)
 def test_slopes_of_the_gap_are_those_of_westergaard(wave, dual):
     """At both sides of the contact, and counted from another period."""
     distance = wave.half_width + (wave.period - 2 * wave.half_width) * np.array([0.05, 0.3, 0.5, 0.8])
@@ -25,8 +23,6 @@ def test_slopes_of_the_gap_are_those_of_westergaard(wave, dual):
     np.testing.assert_allclose(found, wave.slope(distance), rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
-@pytest.mark.parametrize("dual", [False, True])
 def test_minima_of_gap_and_pressure_are_those_of_one_wave(period, dual):
     """The gap at its right edge, and the pressure at its left one, since both are largest in the middle."""
     wave = OneWave(period, 0.2 * period, 0.2 * period)
@@ -40,8 +36,6 @@ def test_minima_of_gap_and_pressure_are_those_of_one_wave(period, dual):
         assert value == pytest.approx(float(exact[0]), abs=1e-9)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
-@pytest.mark.parametrize("dual", [False, True])
 def test_an_edge_that_advances_farther_than_the_load_explains_has_jumped(period, dual):
     """On one wave dp/da = k_1/(2 B) is the derivative of sin^2(pi a/L)/L, and nearly linear over the advance."""
     search = event_search._Search(Starts(Profile(1.5, 2, 1), 1e-10))

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.methods.patches.westergaard_states import KINDS, WAVES, OneWave
+from tests.methods.patches.westergaard_states import KINDS, OneWave
 from weier.kernels.blas import one_thread
 from weier.methods.chebyshev import gauss_rule
 from weier.methods.patches import inequalities
@@ -26,7 +26,6 @@ def state_of(phi, period, r, dual=False, nodes=12):
     return ContactState(KINDS[dual], 1.0, 0.1, segments, rule.expansion @ phi(rule.node))
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("part", [0.02, 0.4])
 def test_intervals_of_tension(period, part):
     """A parabola of phi, an interval that reaches the right end, and two parabolas."""
@@ -49,7 +48,6 @@ def test_intervals_of_tension(period, part):
         assert [found["start"][0], found["end"][0]] == pytest.approx([middle - 1e-3, middle + 1e-3], abs=1e-9)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("part", [0.02, 0.4])
 def test_overlaps_in_gaps(period, part):
     """w = r (1-t^2)^(3/2) v(t), whose slope is sqrt(1-t^2) phi with phi = (1-t^2) v' - 3 t v."""
@@ -79,8 +77,6 @@ def test_each_gap_has_minima_of_its_own_and_none_at_its_ends():
     assert minima["curvature"] * r == pytest.approx(2 * 0.9375**1.5, rel=0.2)
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_minima_of_the_gap_and_of_the_pressure(period, dual):
     """The crests of a series stand for those of the surface or of the tension, beside hardly any density."""
     series = make_series(np.array([1.0, 0.3]), [1, 3], np.array([0.0, np.pi]), period)
@@ -104,8 +100,6 @@ def test_minima_of_the_gap_and_of_the_pressure(period, dual):
     np.testing.assert_allclose(below["curvature"], curvature[expected], rtol=1e-3)
 
 
-@pytest.mark.parametrize("wave", WAVES)
-@pytest.mark.parametrize("dual", [False, True])
 def test_the_residual_beside_an_edge_has_the_strength_of_the_density(wave, dual):
     """At 1e-4 of the narrower width from the edge, up to terms of this order."""
     state, series = wave.state(dual), wave.series(dual)
@@ -143,7 +137,6 @@ def test_a_minimum_is_found_from_probes_beyond_an_inflection(probe):
     assert found["curvature"][0] == pytest.approx(1.0, rel=1e-3)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("distance", [0.003, 0.006, 0.012, 0.03, 0.1])
 @pytest.mark.parametrize("at_right", [False, True])
 @pytest.mark.parametrize("is_gap", [False, True])
@@ -171,8 +164,6 @@ def test_a_narrow_minimum_next_to_an_edge_is_found(is_gap, at_right, distance, p
 
 
 @one_thread
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual):
     """A lower crest beside one contact, or a lower crest of the tension beside one gap, that was left out."""
     series = make_series(np.array([0.2, 1.0]), [1, 3], np.array([0.5, 0.0]), period)

@@ -31,7 +31,6 @@ def kernel(x, sources, period, dual):
     return 4 / chord**2 if dual else np.log(chord)
 
 
-@pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("count", [1, 2, LEAF_POINTS, LEAF_POINTS + 1, 300, 3001])
 def test_sums_over_points(count, dual):
     x = clustered_points(count, 3.0) if count > 2 else np.arange(1.0, count + 1)
@@ -52,7 +51,6 @@ def test_points_that_are_closer_than_their_positions_tell():
     )
 
 
-@pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize(("count", "targets"), [(1, 5), (500, 1), (500, 65), (2000, 777)])
 def test_potential_at_other_points(count, targets, dual):
     source = clustered_points(count, 1.0) if count > 1 else np.array([0.3])

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from tests.profiles import TWIN_CRESTS
 from tests.reference import REFERENCES
 from weier import Profile
-from weier.methods import bem, patches, westergaard
+from weier.methods import patches, westergaard
 from weier.methods.patches import given_edges
 
 
@@ -26,15 +25,6 @@ def test_reference_values(reference, direct, monkeypatch):
     assert np.abs(ratio - 1).max() < 1e-9
     np.testing.assert_array_equal(curve.resistance[~pressed], 0)
     np.testing.assert_array_equal(curve.patch_count, reference.patches)
-
-
-def test_twin_crests_are_touched_together():
-    loads = np.array([1e-6, 7.8e-6, 1e-3])
-    curve = patches.curve(TWIN_CRESTS, loads)
-    np.testing.assert_array_equal(curve.patch_count, 2)
-    elements = bem.curve(TWIN_CRESTS, loads, points=2**15, max_residual=1e-9)
-    # Nodes beside the crests, z'' h^2/8 = 1e-8 below them, and a contact of few nodes at the lightest load.
-    np.testing.assert_allclose(curve.compliance, elements.compliance, atol=1e-7)
 
 
 def test_one_wave_is_westergaard():

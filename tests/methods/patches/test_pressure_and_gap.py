@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tests.methods.patches.westergaard_states import KINDS, WAVES
+from tests.methods.patches.westergaard_states import KINDS
 from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.accuracy.cosines import Cosines
@@ -65,8 +65,6 @@ def integrate(state, period, x, kernel):
     return total
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
-@pytest.mark.parametrize("dual", [False, True])
 def test_residuals_are_gaps_and_pressures_of_the_definition(period, dual):
     """d - z - 2 int p ln|2 sin| ds or, dual, p_full + int w' cot ds/(2 pi L).
 
@@ -85,8 +83,6 @@ def test_residuals_are_gaps_and_pressures_of_the_definition(period, dual):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * period)
 
 
-@pytest.mark.parametrize("wave", WAVES)
-@pytest.mark.parametrize("dual", [False, True])
 def test_one_wave_has_the_gap_and_the_pressure_of_westergaard(wave, dual):
     """From 1e-6 of a width beside an edge on."""
     state, series = wave.state(dual), wave.series(dual)

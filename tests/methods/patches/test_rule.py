@@ -1,7 +1,6 @@
 """Self-influences of segments and expansions against the closed forms of Chebyshev polynomials."""
 
 import numpy as np
-import pytest
 from numpy.polynomial.chebyshev import chebval
 
 from tests.methods.patches.westergaard_states import KINDS
@@ -15,7 +14,7 @@ from weier.methods.patches.rule import (
     self_influence_tables,
 )
 
-PERIODS, COUNTS = (1.0, 9.0), np.array([1, 2, 5, 12])
+COUNTS = np.array([1, 2, 5, 12])
 FIRST = np.append(0, np.cumsum(COUNTS))
 RADII = np.array([0.3, 0.01, 0.1, 0.2])  # of L
 
@@ -41,8 +40,6 @@ def waves(nodes, dual):
     return np.sin((k + 1) * angle) / np.sin(angle) if dual else np.cos(k * angle)
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", PERIODS)
 def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
     """-ln 2 - 2 sum T_k T_k/k for ln|t_i - t_j|, and -2 sum (k+1) U_k U_k for 1/(t_i - t_j)^2, on each segment."""
     kind = KINDS[dual]
@@ -74,8 +71,6 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
     np.testing.assert_allclose(total, both @ force, atol=1e-12 * np.abs(both @ force).max())
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", PERIODS)
 def test_the_own_influence_is_inverted_degree_by_degree(dual, period):
     """The displacement T_k needs the forces k/(2K) T_k, and the pressure U_k in a gap 2 pi r^2 w_i U_k/(k+1).
 
@@ -94,8 +89,6 @@ def test_the_own_influence_is_inverted_degree_by_degree(dual, period):
         np.testing.assert_allclose(force, expected, atol=1e-12 * period**2)
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", PERIODS)
 def test_expansions_are_those_of_the_density(period, dual):
     """f = (pi/K) r psi at the zeros of T_K; for gaps f = r w omega, and psi is the slope of sqrt(1-t^2) omega."""
     kind = KINDS[dual]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.methods.patches.westergaard_states import WAVES, OneWave
+from tests.methods.patches.westergaard_states import OneWave
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.segments import (
@@ -18,8 +18,6 @@ from weier.methods.patches.segments import (
 )
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("wave", WAVES)
 def test_contacts_and_strengths_are_those_of_westergaard(wave, dual):
     """p = A s^(1/2), or a slope of 2 pi A s^(1/2) in the gap, which is negative at its right end."""
     state = wave.state(dual)
@@ -38,8 +36,6 @@ def test_contacts_and_strengths_are_those_of_westergaard(wave, dual):
     assert right == pytest.approx(-wave.strength if dual else wave.strength, rel=1e-9, abs=0)
 
 
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_thin_gaps_divide_their_contact(period, dual):
     wave, none = OneWave(period, 0.2 * period, 0.3 * period), np.zeros(2)
     t, reach, strength, tangent = np.array([[-0.5, 0.25], [1e-3, 2e-3], [3.0, 5.0], [2.0, 7.0]])
@@ -63,7 +59,6 @@ def test_values_at_edges_of_gaps_are_those_of_the_contacts_that_follow():
 
 
 @pytest.mark.parametrize("ratio", [1.01, 1.1, 2.0, 30.0])
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_nodes_resolve_a_singularity_at_the_edge_of_the_neighbour(ratio, period):
     """(x_0 - t)^(1/2), whose coefficients decay as rho^-k, to within a factor of 30 of the tolerance, not to less."""
     r, tolerance = 0.01 * period, 1e-8

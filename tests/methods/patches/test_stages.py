@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.methods.patches.westergaard_states import KINDS, WAVES
+from tests.methods.patches.westergaard_states import KINDS
 from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
@@ -230,8 +230,6 @@ def test_a_shallow_missing_contact_is_seen(above):
 
 
 @one_thread
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("wave", WAVES)
 def test_edges_that_moved_after_the_last_solution_change_the_resistance(wave, dual):
     """By the energy released, to the square of the move: against -L ln(xi) of Westergaard's wave."""
     exact, problem = wave.state(dual).segments, ContactProblem(wave.series(dual), wave.load, KINDS[dual])

@@ -47,7 +47,6 @@ def test_no_contact_is_missed_where_the_crest_is_below_the_plane_or_touches_at_a
     assert start._contacts_between_nodes(gap_with_a_parabola(5.3, 1e-3, 0.04), contact, 1.0).shape == (2, 0)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize(
     ("edges", "merged"),
     [

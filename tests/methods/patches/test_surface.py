@@ -70,7 +70,6 @@ def evaluated(series, crest, y):
     return [evaluate_at(series.local, np.array([crest]), np.array([y]), order)[0] for order in range(3)]
 
 
-@pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("name", SURFACES)
 def test_heights_near_a_crest_and_far_from_it(name, dual):
     """To rounding of the waves' own falls within half a step of the highest crest, and beyond of the waves."""
@@ -105,7 +104,6 @@ def test_twin_crests_are_distinguished_in_all_digits():
         np.testing.assert_allclose(heights.crest_offset, [float(left - right), 0.0], rtol=1e-14)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_intervals_between_others_go_round_the_period(period):
     origin, centre = np.array([0.0, 0.5, 0.5]) * period, np.array([0.1, -0.1, 0.3]) * period
     half_width = np.array([0.05, 0.1, 0.02]) * period
@@ -117,7 +115,6 @@ def test_intervals_between_others_go_round_the_period(period):
     np.testing.assert_allclose(r / period, [0.075, 0.14, 0.115], rtol=1e-12)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_positions_are_counted_from_the_image_of_the_nearest_crest(period):
     series = make_series(np.array([1.0, 0.5]), [1, 2], np.array([0.0, 0.0]), period)  # crests at 0 and L/2
     x = np.array([-0.1, 0.1, 0.4, 0.93, 1.6, -1.05]) * period

@@ -32,7 +32,6 @@ def uniform(contact, t):
     return np.ones_like(t)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 @pytest.mark.parametrize("load", [1 - 1e-2, 1 - 1e-4, 1 - 1e-6])
 def test_the_last_gap_of_one_wave(load, period):
     """Westergaard: h = L xi (1 - ln xi), R = -L ln xi, cos^2(pi b/L) = xi, as a wave of length L is L times as high.
@@ -58,7 +57,6 @@ def test_the_last_gap_of_one_wave(load, period):
     assert cracks.volume[0] == pytest.approx(period * cracks.lift[0], rel=1e-12, abs=0)
 
 
-@pytest.mark.parametrize("period", [1.0, 9.0])
 def test_a_gap_in_a_parabola_of_tension(period):
     """p = kappa x^2/2 - q_0: b^2 = 4 q_0/kappa, w = (pi/3) kappa (b^2-x^2)^(3/2) and p' = kappa."""
     curvature, depth, radius, q = 30.0, 1e-4, 0.2, 3.0
