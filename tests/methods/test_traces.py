@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 import weier
+from weier.methods.bem.boundary_elements import RESIDUAL
 from weier.methods.errors import NotApplicableError
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
@@ -31,7 +32,8 @@ def test_the_trace_of_a_series_has_its_curve(method, profile):
     found = weier.solve(trace, loads / height * length, method)
     # Counted from first contact by the trace, from the sum of all amplitudes by the series.
     first = profile.total_amplitude - profile.crest[1]
-    np.testing.assert_allclose(found.compliance * height + first, exact.compliance, atol=1e-11, rtol=0)
+    off = {"bem": RESIDUAL, "patches": 1e-11}[method]
+    np.testing.assert_allclose(found.compliance * height + first, exact.compliance, atol=off, rtol=0)
     # The resistance is a sum of logarithms of lengths over the period, in units of lambda_0.
     np.testing.assert_allclose(found.resistance * length, exact.resistance, atol=1e-8, rtol=1e-8)
     np.testing.assert_array_equal(found.patch_count, exact.patch_count)
