@@ -1,71 +1,11 @@
-"""Digests of whole modules, and whether the modules in that of curves are all that solving them runs."""
+"""The modules in the digest of curves are all that solving them runs. What changes digests: test_freshness."""
 
 import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
-from weier import digests
 from weier.data.variables import Status
-from weier.digests import CURVES, digest_of_modules, is_in, numerics
-
-MODULES = {
-    "kernels/sums": '''
-"""A module."""
-class Sum:
-    """A class."""
-    limit: int = 1
-
-def late(x: int, *more: int, y: float = 2.0) -> float:
-    """Return a number."""
-    # A comment.
-    def inner():
-        """Return nothing."""
-    return x + y
-''',
-    "methods/bem": "LIMIT = 1\n",
-    "methods/bem/other": "",
-    "surface/measured/trace": "TAPER = 1\n",
-    "surface/measured/text": "COMMA = 1\n",
-    "data/bodies": "HALF = 2\n",
-    "figures/page": "",
-}
-
-
-@pytest.fixture
-def package(tmp_path, monkeypatch):
-    folder = tmp_path / "weier"
-    for name, text in MODULES.items():
-        path = folder / f"{name}.py"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-    monkeypatch.setattr(digests, "PACKAGE", folder)
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
-    return folder
-
-
-def test_numerics_change_with_new_lost_and_renamed_modules_and_with_versions(package, monkeypatch):
-    found = {numerics()}
-    (package / "theory").mkdir()
-    (package / "theory/new.py").touch()
-    found.add(numerics())
-    (package / "theory/new.py").rename(package / "theory/newer.py")
-    found.add(numerics())
-    (package / "methods/bem.py").unlink()
-    found.add(numerics())
-    monkeypatch.setattr(digests, "versions", lambda: "numpy 9.9.9")
-    found.add(numerics())
-    assert len(found) == 5
-
-
-def test_where_nothing_can_be_kept_the_digest_is_the_same(package, tmp_path, monkeypatch):
-    before = digest_of_modules(*CURVES)
-    assert len(list((tmp_path / "cache/digests").iterdir())) == 1
-    (closed := tmp_path / "closed").touch()
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(closed))
-    assert digest_of_modules(*CURVES) == before
-
+from weier.digests import CURVES, is_in
 
 # Modules that solving curves imports and numerics leave out, each with the reason why no number changes with it.
 LEFT_OUT = {
@@ -141,9 +81,5 @@ def test_all_that_solving_curves_runs_is_in_their_numerics(tmp_path, monkeypatch
 
 
 def test_the_numbers_of_status_are_those_in_stored_curves():
-    assert [status.name for status in sorted(Status)] == [
-        "solved",
-        "not_requested",
-        "not_applicable",
-        "not_converged",
-    ]
+    names = ["solved", "not_requested", "not_applicable", "not_converged"]
+    assert [status.name for status in sorted(Status)] == names

@@ -11,8 +11,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.snakemakes import snakemake
-from weier.digests import PACKAGE
+from tests.checkouts import copied, environment, snakemake
 
 SCENE = """
 title: test
@@ -30,11 +29,7 @@ OPTIONS = ["--cores", "1", "--config", "scenes=test"]
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     """A copy of the checkout with a finished run."""
-    folder = tmp_path_factory.mktemp("undisturbed")
-    for path in (Path("Snakefile"), Path("config"), Path("rules"), Path("profiles"), PACKAGE):
-        copy = shutil.copytree if path.is_dir() else shutil.copy2
-        copy(path, folder / path.name)
-    (folder / "config/scenes/test.yaml").write_text(SCENE)
+    folder = copied(tmp_path_factory.mktemp("undisturbed"), SCENE, "profiles")
     assert run(folder)[0] == 0
     return folder
 
@@ -45,15 +40,9 @@ def checkout(undisturbed, tmp_path):
     return shutil.copytree(undisturbed, tmp_path / "checkout")
 
 
-def environment(checkout, **more):
-    fixed = {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(checkout), "SOURCE_DATE_EPOCH": "1000000000"}
-    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    return kept | fixed | more
-
-
 def run(checkout, *arguments):
     """Exit code and all that was said."""
-    done = snakemake(*OPTIONS, *arguments, cwd=checkout, env=environment(checkout))
+    done = snakemake(checkout, *OPTIONS, *arguments)
     return done.returncode, done.stdout + done.stderr
 
 
@@ -70,8 +59,8 @@ def leftovers(checkout):
     return [path for path in checkout.rglob("results/**/.*") if path.name not in known]
 
 
-def forget(checkout, *names):
-    for name in names:
+def forget_products(checkout):
+    for name in PRODUCTS:
         (checkout / "results/test" / name).unlink()
 
 
@@ -79,12 +68,12 @@ def forget(checkout, *names):
 def paused(checkout, at, folder):
     """Snakemake, and the number of its worker that stands still with the file `at` written and not yet in place."""
     here = folder / "here"
-    more = {"PAUSE_AT": at, "PAUSE_FILE": str(here), "PYTHONPATH": f"{PAUSE}:{checkout}"}
+    variables = environment(PAUSE_AT=at, PAUSE_FILE=str(here), PYTHONPATH=str(PAUSE))
     with (folder / "said").open("w") as said:
         process = subprocess.Popen(
             ["snakemake", *OPTIONS],
             cwd=checkout,
-            env=environment(checkout, **more),
+            env=variables,
             stdout=said,
             stderr=said,
             start_new_session=True,
@@ -149,7 +138,7 @@ def test_what_is_stopped_or_killed_leaves_a_run_that_the_next_one_ends(checkout,
 
 @pytest.mark.slow
 def test_a_second_run_is_refused_and_a_killed_one_harms_no_later_one(checkout, undisturbed, tmp_path):
-    forget(checkout, *PRODUCTS)
+    forget_products(checkout)
     with paused(checkout, "contact.nc", tmp_path) as (process, worker):
         code, said = run(checkout)
         assert code != 0
@@ -191,7 +180,7 @@ def test_a_run_that_filled_the_disk_goes_on_once_there_is_room(checkout, undistu
 
 def test_a_damaged_segment_is_named_and_a_run_is_planned_in_a_folder_closed_to_writing(checkout, undisturbed):
     """The segment's curves are solved again once it is moved away."""
-    forget(checkout, *PRODUCTS)
+    forget_products(checkout)
     results = checkout / "results"
     for folder in (results, results / "test"):
         with mounted(folder, "--bind", folder):

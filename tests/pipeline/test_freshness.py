@@ -96,6 +96,23 @@ def test_the_numerics_change_with_what_may_change_a_number_alone(package, edit):
     assert (numerics() != before) == changes
 
 
+def test_the_numerics_change_with_new_lost_and_renamed_modules_wherever_they_are_remembered(
+    package, tmp_path, monkeypatch
+):
+    (tmp_path / "closed").touch()
+    found = []
+    for cache in ("cache", "cache", "closed"):
+        monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / cache))
+        (package / "theory/new.py").touch()
+        found.append([numerics()])
+        (package / "theory/new.py").rename(package / "theory/newer.py")
+        found[-1].append(numerics())
+        (package / "theory/newer.py").unlink()
+        found[-1].append(numerics())
+    assert found[0] == found[1] == found[2]
+    assert len({*found[0]}) == len([*(tmp_path / "cache/digests").iterdir()]) == 3
+
+
 # --- 3. A trace is its final heights, whatever they come from. ---
 
 BODIES = {"mu_1": 8e10, "mu_2": 8e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1e-7, "rho_2": 2e-7}

@@ -56,31 +56,17 @@ def test_each_curve_says_where_it_comes_from_and_each_surface_has_a_key(solution
     assert other.key.values.tolist() != found.key.values[found.m.values == 2].tolist()
 
 
-LOADS = {"coarse": [0.05, 1.0], "fine": [0.02, 0.1, 1.0, 2.0]}
-LOADS_OF_STUDIES = {
-    "title": "loads",
-    "loads": [0.1, 1.0],
-    "methods": ["demelio", "archard"],
-    "studies": {name: WAVE | {"loads": loads} for name, loads in LOADS.items()} | {"common": WAVE},
-    "claims": {"archard_above": ["coarse"]},
-    "figures": {"both": {"draw": "compliance", "studies": ["coarse", "fine"]}},
-}
-
-
-@pytest.fixture(scope="module")
-def of_loads(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("loads")
-    return solve_scene(scene_in(folder, LOADS_OF_STUDIES), folder / "curves")
-
-
-def test_a_file_has_the_loads_of_all_studies_and_each_study_its_own(of_loads, tmp_path):
+def test_a_file_has_the_loads_of_all_studies_and_each_study_its_own(tmp_path):
+    loads = {"coarse": [0.05, 1.0], "fine": [0.02, 0.1, 1.0, 2.0]}
+    studies = {name: WAVE | {"loads": own} for name, own in loads.items()} | {"common": WAVE}
+    of_loads = solve_scene(scene_in(tmp_path, ONE_STUDY | {"studies": studies}), tmp_path / "curves")
     data = file_of(of_loads, tmp_path)
     assert data.mean_pressure.values.tolist() == [0.02, 0.05, 0.1, 1.0, 2.0]
-    for name, loads in (LOADS | {"common": [0.1, 1.0]}).items():
+    for name, expected in (loads | {"common": [0.1, 1.0]}).items():
         row = data.study.values.tolist().index(name)
         own = data.compliance.isel(case=row).dropna("mean_pressure", how="all")
-        assert own.mean_pressure.values.tolist() == loads
+        assert own.mean_pressure.values.tolist() == expected
         study = read_study(of_loads, name)
-        assert study.mean_pressure.values.tolist() == loads
+        assert study.mean_pressure.values.tolist() == expected
         assert study.compliance.values[0].tolist() == own.values.tolist()
         assert np.isfinite(study.compliance).all()

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.scenes import solve_scene
 from weier.figures.scene_checks import load_by_name
 from weier.pipeline import workflow
 from weier.pipeline.workflow import Plan
@@ -51,29 +50,15 @@ def change(folder, old, new):
 
 
 def solved(plan, product, scene="test"):
-    """The jobs that solve curves for the job that makes a product, with what they are of."""
-    what = Path(plan.job(scene, product)[0]).stem
-    found = [Path(path).relative_to("results/curves/.solved") for path in plan.solved(of(scene=scene, what=what))]
-    return [(str(path.parents[2]), path.name) for path in found]
-
-
-def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
-    """Those of all scenes where all is made; and its own if it is named alone."""
-    alone = plan()
-    assert solved(alone, "one") == [("test/one", "0-of-1")]
-    together = plan()
-    together.all_files(of())
-    for product in ("one", "two", "contact.nc"):
-        assert solved(together, product) == [("test/all.products", "0-of-1")]
-    solve_scene(alone.scene("test"), Path("results/curves"))
-    assert solved(plan(), "contact.nc") == []
+    """The jobs that solve curves for the job that makes a product."""
+    return plan.solved(of(scene=scene, what=Path(plan.job(scene, product)[0]).stem))
 
 
 def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_is_short(folder, monkeypatch):
     for seconds, slots, expected in ((1.0, 9, 1), (90.0, 3, 3), (1e4, 99, 6)):
         monkeypatch.setattr(workflow.Part, "seconds", np.array([seconds]))  # of each part
         found = solved(plan(slots=slots), "one")
-        assert [job for _, job in found] == [f"{number}-of-{expected}" for number in range(expected)]
+        assert [Path(path).name for path in found] == [f"{number}-of-{expected}" for number in range(expected)]
     own, job = plan(), of(what="test/one", share="0-of-4")
     assert own.seconds(job) == 3 * 1e4 / 4  # of three parts
     assert [own.minutes(job, attempt) for attempt in (1, 2)] == [630, 1260]
