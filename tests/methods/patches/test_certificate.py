@@ -244,10 +244,10 @@ def stated(wave, dual=False, **fields):
     return stated_both(wave, dual, **fields)[0] - TANGENT_ERROR * max(wave.resistance, 1.0)
 
 
-def stated_length(wave, dual=False, fixed=None, **fields):
-    """The error of the length by these fields, less that of those which stay."""
-    fixed = fixed or {}
-    return stated_both(wave, dual, **fields, **fixed)[1] - stated_both(wave, dual, **fixed)[1]
+def added(wave, dual=False, height_error=0.0, **fields):
+    """What these fields add to both errors."""
+    with_fields = stated_both(wave, dual, height_error=height_error, **fields)
+    return np.subtract(with_fields, stated_both(wave, dual, height_error=height_error))
 
 
 def moved(wave, change):
@@ -258,18 +258,16 @@ def moved(wave, change):
 def test_edges_that_move_change_the_resistance_as_stated(wave, dual):
     """dR = (2 pi^2/L) sum B^2 delta is the derivative of -L ln sin^2(pi a/L)."""
     step = np.full((1, 2), 1e-7 * wave.period)
-    left_over = stated(wave, dual, edge_move=step) - stated(wave, dual)
-    assert left_over == pytest.approx(moved(wave, step[0, 0]), rel=1e-5, abs=0)
+    assert added(wave, dual, edge_move=step)[0] == pytest.approx(moved(wave, step[0, 0]), rel=1e-5, abs=0)
 
 
 def test_the_next_move_of_an_edge_that_has_not_settled_counts_twice(wave, dual):
     r = wave.state(dual).segments.half_width[0]
     for move, factor in ((0.09, 1), (0.11, 2), (-0.11, 2)):
         step = np.array([[0.0, move * r]])
-        expected = factor * 2 * np.pi**2 / wave.period * wave.tangent_strength**2 * abs(move) * r
-        left_over = stated(wave, dual, edge_move=step) - stated(wave, dual)
-        assert left_over == pytest.approx(expected, rel=1e-9, abs=0)
-        assert stated_length(wave, dual, edge_move=step) == pytest.approx(factor * abs(move) * r, rel=1e-9, abs=0)
+        longer = factor * abs(move) * r
+        expected = 2 * np.pi**2 / wave.period * wave.tangent_strength**2 * longer, longer
+        assert added(wave, dual, edge_move=step) == pytest.approx(expected, rel=1e-9, abs=0)
 
 
 def test_the_force_of_a_light_contact_limits_the_strengths_of_its_edges(period):
@@ -320,9 +318,8 @@ def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual):
     tensions = np.array([[0.0, 0.3, 1e-4]])
     r = wave.half_width
     q = max(wave.tangent_strength * np.sqrt(2 / (r * (1 - 0.09))), 1.0)
-    expected = 2 * np.pi**2 * 2 * (1e-4 * r * q) ** 2 / period
-    assert stated(wave, dual, tensions=tensions) - stated(wave, dual) == pytest.approx(expected, rel=1e-9, abs=0)
-    assert stated_length(wave, dual, tensions=tensions) == pytest.approx(2 * np.sqrt(8) * 1e-4 * r, rel=1e-9, abs=0)
+    expected = 2 * np.pi**2 * 2 * (1e-4 * r * q) ** 2 / period, 2 * np.sqrt(8) * 1e-4 * r
+    assert added(wave, dual, tensions=tensions) == pytest.approx(expected, rel=1e-9, abs=0)
     # The pressure of an increment is that of the flat punch, cos(pi x/L)/(sin^2(pi a/L) - sin^2(pi x/L))^(1/2).
     y = np.pi / period * 0.3 * r
     exact = np.cos(y) / np.sqrt(np.sin(wave.alpha) ** 2 - np.sin(y) ** 2)
@@ -346,17 +343,14 @@ def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
         rise * one,
     )
     state = wave.state(dual)
-    by_neighbour = stated(wave, dual, cracks=cracks) - stated(wave, dual)
-    assert by_neighbour == pytest.approx(4 * rise * (b / (0.6 * wave.half_width)) ** 2, rel=1e-5, abs=0)
+    by_neighbour = 4 * rise * (b / (0.6 * wave.half_width)) ** 2
     off = HEIGHT * state.segments.node_count[0] / (2 * np.pi * state.segments.half_width[0] * np.sqrt(1 - t * t))
-    both = stated(wave, dual, cracks=cracks, height_error=HEIGHT) - stated(wave, dual, height_error=HEIGHT)
     by_tension = np.pi**2 * q**2 / period * (4 * off / curvature)
-    assert both - by_neighbour == pytest.approx(by_tension, rel=1e-5, abs=0)
     # R rises by b^2, so that the width 2 b is off by b times the relative error of the rise.
-    of_width, with_tension = b / rise * by_neighbour, b / rise * (by_neighbour + by_tension)
-    assert stated_length(wave, dual, cracks=cracks) == pytest.approx(of_width, rel=1e-5, abs=0)
-    fixed = {"height_error": HEIGHT}
-    assert stated_length(wave, dual, fixed, cracks=cracks) == pytest.approx(with_tension, rel=1e-5, abs=0)
+    of_length = np.array([1, b / rise])
+    for height_error, expected in ((0.0, by_neighbour), (HEIGHT, by_neighbour + by_tension)):
+        found = added(wave, dual, height_error, cracks=cracks)
+        assert found == pytest.approx(expected * of_length, rel=1e-5, abs=0)
 
 
 @pytest.mark.parametrize(("part", "distance"), [(0.1, 0.5), (0.02, 0.025)])
@@ -372,15 +366,12 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     chi = -2 * np.log(np.pi * b / period) + min(relief, 0.0)
     expected = (wave.resistance + 2 * np.log(2) * period) ** 2 / (chi * period)
     assert expected < wave.resistance
-    born = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
-    assert born == pytest.approx(expected, rel=1e-9, abs=0)
-    length = stated_length(wave, fixed={"height_error": HEIGHT}, narrow_gaps=gaps)
-    assert length == pytest.approx(2 * b, rel=1e-9, abs=0)
+    born = added(wave, height_error=HEIGHT, narrow_gaps=gaps)
+    assert born == pytest.approx((expected, 2 * b), rel=1e-9, abs=0)
     gaps["value"] = depth * (1 - 1e-12)  # the less it may penetrate, the less
-    less = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
-    assert less < born
+    assert added(wave, height_error=HEIGHT, narrow_gaps=gaps)[0] < born[0]
     gaps["curvature"] = 0.0  # A flat gap may close over no more than this.
-    length = stated_length(wave, fixed={"height_error": HEIGHT}, narrow_gaps=gaps)
+    length = added(wave, height_error=HEIGHT, narrow_gaps=gaps)[1]
     assert length == pytest.approx(2 * np.sqrt(2) * period, rel=1e-9, abs=0)
 
 
@@ -419,5 +410,5 @@ def test_edges_respond_to_the_waves_of_a_residual():
             n = np.arange(2, 200, 2)
             roughness = HEIGHT * np.array([np.sum(2 * n * np.abs(jv(n, 2 * np.pi * k * a)))])
             change = HEIGHT * 2 * np.pi / np.tan(np.pi * a) * abs(drift)
-            ratios.append(change / (stated(wave, roughness=roughness) - stated(wave)))
+            ratios.append(change / added(wave, roughness=roughness)[0])
     assert 0.9 < max(ratios) <= 1
