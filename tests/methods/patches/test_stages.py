@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.hard_series import hard_series
 from tests.methods.patches.westergaard_states import KINDS
 from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
@@ -169,23 +170,9 @@ def test_a_gap_that_opens_by_less_than_the_residual_is_not_added():
     assert abs(loose.resistance - tight.resistance) <= loose.resistance_error
 
 
-@pytest.mark.parametrize(
-    ("profile", "load"),
-    [
-        (
-            Profile(1.3414975665901956, "3/2", 3, (2.5334584177719934, 4.9115569809192765, 5.35705996852472)),
-            0.590654654,
-        ),
-        (
-            Profile(1.2387322931979177, 2, 3, (6.184893941203933, 1.0128495632303842, 0.13522986798092)),
-            0.3922061616996,
-        ),
-        (Profile(1.0696886305060866, 5, 2, (4.315888370692494, 1.5615910473218102)), 0.5611602683220559),
-    ],
-)
-def test_rounding_beside_events_ends_the_iteration(profile, load):
-    """With a target at the rounding of single residuals, edges beside births and mergers never came to rest."""
-    tight, usual = patches.curve(profile, [load], 1e-12), patches.curve(profile, [load])
+@hard_series("limited_by_rounding")
+def test_rounding_beside_events_ends_the_iteration(profile, loads):
+    tight, usual = patches.curve(profile, loads, 1e-12), patches.curve(profile, loads)
     assert tight.work[0] < 20
     error = tight.compliance_error + usual.compliance_error
     assert tight.compliance[0] == pytest.approx(usual.compliance[0], abs=float(error[0]), rel=0)
