@@ -1,4 +1,4 @@
-"""Time the programs in turn, examine their solutions, and keep all in one self-describing dataset."""
+"""Time the programs in turn, examine their solutions, and keep all in one dataset."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from time import process_time
 import numpy as np
 import xarray as xr
 
-from benchmarks.problem import Examination, Problem, Reference, examine
+from benchmarks.problem import Examination, Problem, examine, find_reference
 from benchmarks.programs import PROGRAMS, calibrate, seconds, solve_loads
-from weier import Profile, solve
+from weier import Profile
 from weier.kernels.arrays import Array
 
 Say = Callable[[str], None]
@@ -23,15 +23,15 @@ WRONG = 10.0  # residual over tolerance above which a solution reported as conve
 # Dimensions of variables.
 RUN = ("program", "points")
 CURVE = (*RUN, "mean_pressure")
-VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
-    "seconds": ((*RUN, "repeat"), "processor time for the whole curve, set-up included", "s"),
-    "work": (CURVE, "FFT pairs or dense solutions for this load", "1"),
-    "compliance": (CURVE, "compliance, in g_0", "1"),
-    "residual": (CURVE, "largest violation of a contact condition, freshly evaluated, in g_0", "1"),
-    "load_error": (CURVE, "relative error of the mean pressure", "1"),
-    "own_tolerance": (CURVE, "loosest tolerance of the solver that meets the target residual", "1"),
-    "converged": (CURVE, "1 where the solver says that it converged", "1"),
-    "error": (RUN, "largest error of the compliance over the loads, in g_0", "1"),
+VARIABLES = {
+    "seconds": (*RUN, "repeat"),  # processor time for the whole curve, set-up included
+    "work": CURVE,  # FFT pairs or dense solutions
+    "compliance": CURVE,  # in g_0
+    "residual": CURVE,  # largest violation of a contact condition, freshly evaluated, in g_0
+    "load_error": CURVE,  # relative error of the mean pressure
+    "own_tolerance": CURVE,  # loosest tolerance of the solver that meets the target residual
+    "converged": CURVE,  # 1 where the solver says that it converged
+    "error": RUN,  # largest error of the compliance over the loads, in g_0
 }
 
 
@@ -40,49 +40,14 @@ def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
     programs = list(dict.fromkeys(name for names in plan.values() for name in names))
     sizes = {"program": len(programs), "points": len(plan), "repeat": repeats, "mean_pressure": loads.size}
     data = xr.Dataset(
-        {
-            name: (dims, np.full([sizes[dim] for dim in dims], np.nan), {"long_name": long_name, "units": units})
-            for name, (dims, long_name, units) in VARIABLES.items()
-        }
+        {name: (dims, np.full([sizes[dim] for dim in dims], np.nan)) for name, dims in VARIABLES.items()}
     )
-    pressure_attributes = {"long_name": "mean pressure", "units": "1", "normalised_by": "p_0*"}
     labels, units = ([getattr(PROGRAMS[name], field) for name in programs] for field in ("label", "work"))
-    return data.assign_coords(
-        program=("program", programs, {"long_name": "program that solved the problem"}),
-        points=("points", list(plan), {"long_name": "nodes in one period", "units": "1"}),
-        mean_pressure=("mean_pressure", loads, pressure_attributes),
-        label=("program", labels, {"long_name": "program, for people"}),
-        work_unit=("program", units, {"long_name": "what work counts"}),
-    )
+    coordinates = {"program": programs, "points": list(plan), "mean_pressure": loads}
+    return data.assign_coords(**coordinates, label=("program", labels), work_unit=("program", units))
 
 
-def describe(
-    data: xr.Dataset, profile: Profile, tolerance: float, reference: Reference, reference_seconds: Sequence[float]
-) -> xr.Dataset:
-    """Add the reference as a variable, and the conditions of the measurement as attributes."""
-    programs = [PROGRAMS[str(name)] for name in data["program"].values]
-    attributes = {"long_name": f"compliance by method {reference.method}, in g_0", "units": "1"}
-    return data.assign(reference_compliance=("mean_pressure", reference.compliance, attributes)).assign_attrs(
-        D=profile.D,
-        gamma=str(profile.gamma),
-        m=profile.m,
-        phase=profile.phase,
-        tolerance=tolerance,
-        reference_method=reference.method,
-        reference_seconds=min(reference_seconds),
-        threads=1,
-        packages=", ".join(dict.fromkeys(program.version(program.package) for program in programs)),
-        machine=f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}",
-        discretisation=(
-            "weier, slippy and the dense inversion take piecewise-linear pressure, tamaas and ContactMechanics "
-            "trigonometric pressure (the Fourier kernel 1/|k|): each residual is that of its own discretisation."
-        ),
-    )
-
-
-def compare(
-    profile: Profile, loads: Array, plan: Plan, tolerance: float, repeats: int, reference: Reference, say: Say
-) -> xr.Dataset:
+def compare(profile: Profile, loads: Array, plan: Plan, tolerance: float, repeats: int, say: Say) -> xr.Dataset:
     """Examine every program on every grid, and time the programs and the reference in turn.
 
     Parameters
@@ -97,18 +62,17 @@ def compare(
         Residual that every program must reach, in g_0.
     repeats : int
         Timed runs of each program.
-    reference : Reference
-        The reference compliance.
     say : function
         Called with a line about each step, for people.
 
     Returns
     -------
     Dataset
-        Over program, points, repeat and mean_pressure; NaN where a program was not run.
+        Over program, points, repeat and mean_pressure; NaN where a program was not run. Attributes have the
+        conditions of the measurement.
 
     """
-    data, reference_seconds = blank(plan, loads, repeats), list[float]()
+    data, reference, reference_seconds = blank(plan, loads, repeats), find_reference(profile, loads), list[float]()
     for points, programs in plan.items():
         problem = Problem(profile, loads, points, tolerance)
         for name in programs:
@@ -121,12 +85,21 @@ def compare(
                 data["seconds"].loc[{**at, "repeat": repeat}] = taken
                 say(f"N = {points}: {PROGRAMS[name].label}, run {repeat + 1} of {repeats}: {taken:.4g} s")
             begin = process_time()
-            solve(profile, loads, **reference.settings)
+            find_reference(profile, loads)
             reference_seconds.append(process_time() - begin)
-    return describe(data, profile, tolerance, reference, reference_seconds)
+    packages = (PROGRAMS[name].version(PROGRAMS[name].package) for name in data["program"].values.tolist())
+    return data.assign_attrs(
+        D=profile.D,
+        gamma=str(profile.gamma),
+        m=profile.m,
+        tolerance=tolerance,
+        reference_seconds=min(reference_seconds),
+        packages=", ".join(dict.fromkeys(packages)),
+        machine=f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}",
+    )
 
 
-def _examine_program(name: str, problem: Problem, reference: Reference, data: xr.Dataset) -> None:
+def _examine_program(name: str, problem: Problem, reference: Array, data: xr.Dataset) -> None:
     """Store everything except the time in the row of this program and size."""
     program = PROGRAMS[name]
     own_tolerance = calibrate(program, problem)
@@ -144,7 +117,7 @@ def _examine_program(name: str, problem: Problem, reference: Reference, data: xr
     for variable, values in zip(names, np.array(rows, float)[::-1].T, strict=True):
         data[variable].loc[at] = values
     data["own_tolerance"].loc[at] = own_tolerance
-    data["error"].loc[at] = np.abs(data["compliance"].sel(at) - reference.compliance).max()
+    data["error"].loc[at] = np.abs(data["compliance"].sel(at) - reference).max()
 
 
 def wrong(data: xr.Dataset) -> xr.DataArray:

@@ -10,11 +10,11 @@ import numpy as np
 
 from benchmarks import report
 from benchmarks.measure import compare
-from benchmarks.problem import Problem, find_reference
+from benchmarks.problem import Problem
 from benchmarks.programs import PROGRAMS, seconds
 from weier import Profile
 from weier.accuracy.measurement import CONTEXT
-from weier.data import dataset
+from weier.data.files import write_text
 
 PHASES = (0.0, 1.0, 2.0)  # radians: an unsymmetric profile, as in the README.
 
@@ -79,19 +79,17 @@ def main(
 ) -> None:
     """Compare weier with tamaas, ContactMechanics, slippy and the paper's dense inversion on the same problem.
 
-    Writes benchmark.nc, benchmark.md and benchmark.{png,svg,pdf}.
+    Writes benchmark.md and benchmark.{png,svg,pdf}.
     """
     programs = installed(programs)
     profile = Profile(D=1.25, gamma=5, m=m, phases=(*PHASES, *np.arange(3.0, m))[:m])
     pressure = np.geomspace(1e-3, 2, loads)
     plan = dict.fromkeys(alone, (report.OURS,)) | {size: _able(programs, size) for size in points}
     plan = dict(sorted(plan.items()))
-    reference = find_reference(profile, pressure)
     for name in programs:  # compile first
         seconds(PROGRAMS[name], Problem(profile, pressure[-1:], min(plan), tolerance), np.full(1, tolerance))
-    data = compare(profile, pressure, plan, tolerance, repeats, reference, _progress)
-    dataset.write(data, output / "benchmark.nc", "weier and other programs, side by side")
-    report.write_table(data, output / "benchmark.md")
+    data = compare(profile, pressure, plan, tolerance, repeats, _progress)
+    write_text(output / "benchmark.md", report.table(data))
     report.draw(data, output / "benchmark.pdf")
     click.echo(report.table(data))
 
