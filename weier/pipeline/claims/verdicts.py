@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weier.data import markdown
-from weier.data.markdown import significant
+from weier.data.markdown import plain, significant, table
 from weier.data.variables import Check, flags
 from weier.pipeline.claims.claim import Finding, Judgement
 from weier.pipeline.claims.paper import MEANINGS, RULE
@@ -47,19 +46,12 @@ def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
     return xr.Dataset(variables).set_coords("claim")
 
 
-def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
-    """Return the decisive number, its limit, and the results of the profiles."""
-    if judged.missing:
-        return f"Not measured: {judged.missing}.", "", ""
-    finding = judged.decisive
-    quantity, _, value, _, limit, votes, _ = details(finding)
-    return f"{quantity[:1].upper()}{quantity[1:]}: {value}", limit, votes
-
-
 def decisive_line(judged: Judgement) -> str:
     """Return the decisive number, its limit and the results of the profiles in one line."""
-    number, limit, votes = decisive_cells(judged)
-    return "; ".join(filter(None, [number, limit and f"limit: {limit}", votes]))
+    if judged.missing:
+        return f"Not measured: {judged.missing}."
+    quantity, _, value, _, limit, votes, _ = details(judged.decisive)
+    return "; ".join(filter(None, [f"{quantity[:1].upper()}{quantity[1:]}: {value}", f"limit: {limit}", votes]))
 
 
 def details(finding: Finding) -> list[str]:
@@ -100,22 +92,12 @@ def to_markdown(title: str, judged: Mapping[str, Judgement]) -> str:
     if not judged:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
-        [
-            f"[{markdown.plain(name)}](#{name})",
-            *map(markdown.plain, (judgement.statement, judgement.outcome.text, *decisive_cells(judgement))),
-        ]
-        for name, judgement in judged.items()
+        [f"[{plain(name)}](#{name})", plain(one.statement), one.outcome.text, plain(decisive_line(one))]
+        for name, one in judged.items()
     ]
-    head = ["claim", "the paper says", "holds", "what decides", "limit", "profiles"]
-    parts = [
-        f"# {title}",
-        markdown.table(head, rows),
-        "## How claims are judged",
-        markdown.plain(RULE),
-        markdown.plain(MEANINGS),
-    ]
-    for name, judgement in judged.items():
-        parts += [f"## {name}", markdown.plain(judgement.statement)]
-        table = [[markdown.plain(cell) for cell in details(finding)] for finding in judgement.findings]
-        parts.append(markdown.table(DETAILS, table) if table else decisive_line(judgement))
+    head = ["claim", "the paper says", "holds", "what decides"]
+    parts = [f"# {title}", table(head, rows), "## How claims are judged", plain(RULE), plain(MEANINGS)]
+    for name, one in judged.items():
+        rows = [list(map(plain, details(finding))) for finding in one.findings]
+        parts += [f"## {name}", plain(one.statement), table(DETAILS, rows) if rows else decisive_line(one)]
     return "\n\n".join(parts) + "\n"
