@@ -17,7 +17,7 @@ from weier.checks import checked_count, checked_word
 from weier.kernels.arrays import Array
 from weier.methods.bem import active_set, stated_errors
 from weier.methods.bem.grids import full_contact_pressure
-from weier.methods.bem.staircase import Corrected, NodalSolution, in_continuum, on_nodes
+from weier.methods.bem.staircase import Corrected, in_continuum, on_nodes
 from weier.methods.curve import Curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.errors import ConvergenceError, OutOfReachError
@@ -32,6 +32,7 @@ RESIDUAL = 1e-10  # g_0: default residual, below the error of any grid
 RESIDUAL_FRACTION = 1e-3  # fraction of the tolerance; the grid takes the rest, which costs a step or two
 # g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `stated_errors.MAX_POINTS`
 MIN_RESIDUAL = 1e-11
+Found = tuple[float, float, Corrected]  # residual, work and corrected solution at a load
 
 
 def curve(
@@ -74,7 +75,7 @@ def curve(
     loads, given = checked_loads(mean_pressure), points_of(profile) if points is None else points
     points = checked_count("points", given, 2 * profile.waves_per_period[-1] + 1, MAX_POINTS)
     full = min(full_contact_load(profile, points), profile.full_contact_load)
-    found, partial = list[tuple[NodalSolution, Corrected]](), loads[loads < full]
+    found, partial = list[Found](), loads[loads < full]
     corrected = in_continuum if staircase == "removed" else on_nodes
     if partial.size:  # At loads of full contact no matrix is needed.
         grid = active_set.NestedSolver(profile, points, max_residual)
@@ -94,18 +95,18 @@ def curve(
                         'derivative of the pressure; try other points, a larger tolerance, or the method "patches"',
                         solution.residual,
                     )
-                found.append((solution, corrected(solution)))
+                found.append((solution.residual, solution.work, corrected(solution)))  # not its nodes, for memory
                 count_load()
     return _as_curve(profile, loads, found[::-1], points)
 
 
-def _as_curve(profile: Waves, loads: Array, found: list[tuple[NodalSolution, Corrected]], points: int) -> Curve:
+def _as_curve(profile: Waves, loads: Array, found: list[Found], points: int) -> Curve:
     """Return the curve from the solutions at the loads of partial contact; at heavier loads contact is full."""
     plane, resistance, fraction, residual, work = np.tile([[0.0], [0.0], [1.0], [0.0], [0.0]], loads.size)
-    most = max((edge.size // 2 for _, (*_, edge) in found), default=0)
+    most = max((edge.size // 2 for *_, (*_, edge) in found), default=0)
     count, edges = np.zeros(loads.size, np.int64), np.full((loads.size, most, 2), np.nan)
-    for at, (solution, (plane[at], resistance[at], _, _, edge)) in enumerate(found):
-        residual[at], work[at], count[at] = solution.residual, solution.work, edge.size // 2
+    for at, (residual[at], work[at], (plane[at], resistance[at], _, _, edge)) in enumerate(found):
+        count[at] = edge.size // 2
         edges[at, : count[at]] = edge.reshape(-1, 2)
         if edge.size:  # All nodes may be in contact although the continuum has a gap between two of them.
             fraction[at] = np.sum(edge[1::2] - edge[::2]) / points
