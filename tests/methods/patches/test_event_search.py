@@ -36,6 +36,52 @@ def test_minima_of_gap_and_pressure_are_those_of_one_wave(period, dual):
         assert value == pytest.approx(float(exact[0]), abs=1e-9)
 
 
+@pytest.mark.parametrize("at", [-0.99, -0.95, 0.3, 0.6])
+@pytest.mark.parametrize("higher", [0.0, 20.0])
+def test_a_minimum_is_located_that_is_no_parabola(monkeypatch, at, higher):
+    """A parabola through the first samples, 0.15 apart, leaves its value 1e-3 off."""
+
+    def values(state, series, event, y):
+        return (y - at) ** 2 * (1 + higher * (y - at) ** 2 + 0.4 * (y - at)) - 0.1
+
+    monkeypatch.setattr(event_search, "_values", values)
+    y, value = event_search._minimum(None, None, event_search._Event(True, 0.0, -1.0, 1.0))
+    assert y == pytest.approx(at, abs=1e-6)
+    assert value == pytest.approx(-0.1, abs=1e-12)
+
+
+def test_rounding_does_not_lower_a_minimum(monkeypatch):
+    """In an interval that is so narrow that the samples differ by rounding alone."""
+    random = np.random.default_rng(1)
+    monkeypatch.setattr(
+        event_search, "_values", lambda state, series, event, y: 1 + 1e-13 * random.normal(size=y.size)
+    )
+    for _ in range(100):
+        _, value = event_search._minimum(None, None, event_search._Event(True, 0.0, -1e-9, 1e-9))
+        assert value == pytest.approx(1, abs=2e-12)
+
+
+@pytest.mark.parametrize("scale", [1.0, 3e-15, 1e-15, 1e-20])
+def test_contacts_are_assigned_to_those_that_contain_them(scale):
+    """Also those that are too small for positions along the period, and, if not, those counted from other periods."""
+    random, period = np.random.default_rng(2), 3.0
+    for count in 10 * [1, 2, 9]:
+        at = np.sort(random.random(count)) * period
+        room = 0.4 * np.min(np.diff(at, append=at[0] + period))
+        left, right = -scale * room * random.random(count), scale * room * random.random(count)
+        parts = np.sort(random.random((count, 3, 2)).reshape(count, 6), axis=1).reshape(count, 3, 2)
+        inside = (left[:, None, None] + (right - left)[:, None, None] * parts).reshape(-1, 2)
+        owner = np.repeat(np.arange(count), 3)
+        kept = np.flatnonzero(random.random(owner.size) < 0.7)
+        turned = np.roll(kept, 1)
+        turns = random.integers(-1, 2, kept.size) if scale == 1 else 0
+        smaller = at[owner[turned]] + period * turns, *inside[turned].T
+        within, start, end, order = event_search._sort_into((at, left, right), smaller, period)
+        np.testing.assert_array_equal(within, owner[kept])
+        np.testing.assert_array_equal(turned[order], kept)
+        np.testing.assert_allclose([start, end], inside[kept].T, atol=4e-15 if scale == 1 else 1e-5 * scale)
+
+
 def test_an_edge_that_advances_farther_than_the_load_explains_has_jumped(period, dual):
     """On one wave dp/da = k_1/(2 B) is the derivative of sin^2(pi a/L)/L, and nearly linear over the advance."""
     search = event_search._Search(Starts(Profile(1.5, 2, 1), 1e-10))
@@ -84,16 +130,24 @@ def test_more_nodes_change_no_load_of_an_event(monkeypatch):
     np.testing.assert_allclose(found.mean_pressure, patches.events(trace, 0.01, 1.0).mean_pressure, rtol=1e-11)
 
 
-def test_contacts_are_interpolated_and_do_not_vanish():
+def test_contacts_are_interpolated_with_their_slope(dual):
+    """Each state, and the slope at the first one, is a condition on the square of the half-width."""
+    followed = [OneWave(1.0, a, 0.2).state(dual) for a in (0.1, 0.12, 0.11)]
+    wave = OneWave(1.0, 0.105, 0.2)
+    exact = wave.state(dual).segments
+    for count, error in ((1, 5e-4), (2, 6e-5), (3, 4e-6)):
+        guess = event_search._interpolate_contacts(followed[:count], wave.load).segments
+        np.testing.assert_allclose(guess.half_width, exact.half_width, rtol=error)
+        np.testing.assert_allclose(guess.centre, exact.centre, rtol=0, atol=1e-15)
+    moved = followed[0]._replace(tangent_strength=followed[0].tangent_strength * [[1.0, 2.0]])
+    shift = event_search._interpolate_contacts([moved], wave.load).segments.centre - exact.centre
+    step = (wave.load - moved.load) / np.pi / np.sin(2 * np.pi * 0.1)  # of the edge whose strength is not changed
+    np.testing.assert_allclose(shift, -0.5 * step if dual else 0.5 * step, rtol=1e-6)
+
+
+def test_contacts_that_are_extrapolated_do_not_vanish():
     state = OneWave(1.0, 0.1, 0.2).state(False)
-
-    def at(load):
-        extent = {"centre": np.full(1, 0.2 + load**2), "half_width": np.full(1, 0.1 * load)}
-        return state._replace(load=load, segments=state.segments._replace(**extent))
-
-    guess = event_search._interpolate_contacts([at(1.0), at(1.5), at(1.2)], 1.1).segments
-    np.testing.assert_allclose([guess.centre, guess.half_width], [[0.2 + 1.1**2], [0.11]], rtol=1e-14)
-    assert event_search._interpolate_contacts([at(1.0), at(1.5)], 0.0).segments.half_width == [0.05]
+    assert event_search._interpolate_contacts([state], 0.0).segments.half_width == [0.05]
 
 
 def test_a_search_that_stays_uncertain_ends(monkeypatch):

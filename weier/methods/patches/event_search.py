@@ -2,8 +2,8 @@
 
 Contacts never split or vanish as the load increases, so that a contact at a heavier load contains two contacts of the
 lighter one (a merger) or none (a birth): `_Search._changes`. `_Search.between` divides the interval until the
-changes are certain (`_Search._has_no_more_minima`, `_needed_load`) and expected under one load; `_Search._locate`
-then finds the root of the minimum of the gap before a birth, or of the pressure after a merger.
+changes are certain (`_is_direct`, `_count_gap_minima`) and expected under one load; `_Search._locate` then finds the
+root of the minimum of the gap before a birth, or of the pressure after a merger.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import stages
 from weier.methods.patches.kind import EPS
 from weier.methods.patches.pressure_and_gap import cotangent_integrals, values_at, values_on_segments
-from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces
+from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces, segment_strengths
 from weier.methods.patches.solver import MIN_LOAD, check_loads, solve_state
 from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import (
@@ -40,7 +40,7 @@ MAX_ADVANCE = 0.5
 MIN_LOAD_FRACTION = 5 / 6
 # largest interval of ln(p) for root-finding: inverse interpolation through loads decades apart ends 4e-9 from a birth
 # on a crest that is lower by a phase of 1e-7 (tests/methods/patches/test_event_search.py)
-MAX_ROOT_INTERVAL = 0.1
+MAX_ROOT_INTERVAL = 0.3
 # difference of expected loads, over the interval, below which events may have one root, as symmetric ones do; events
 # farther apart are separated first, which changes no result
 SAME_LOAD = 1e-4
@@ -51,8 +51,9 @@ MAX_ROOT_LOADS = 8  # loads per root search, then the interval is divided; 3 are
 # divisions for each finished interval, three times those from a decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
 # samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
-# minimum is located: `ZOOMS` times, each in 2/13 of the last interval, so that a parabola is exact to 1e-12
-SAMPLES, ZOOMS = 12, 4
+# minimum is located: twice, and up to `ZOOMS` times where it lies next to the end. Parabolas follow, the last ones
+# through points `CLOSER` times as close, which makes them exact to 1e-12.
+SAMPLES, ZOOMS, CLOSER = 12, 4, 40
 
 
 class Events(NamedTuple):
@@ -227,43 +228,29 @@ class _Search(NamedTuple):
         A contact of `high` contains those of `low` whose midpoints lie within it.
         """
         period = self.starts.surface.heights.period
-        origins, lefts, rights = _intervals(low, False, period)
-        finest = 2 * np.pi / self.starts.surface.heights.wavenumber[-1]
-        before, after = _loads_per_advance(low, period), _loads_per_advance(high, period)
-        changes, advances, expected = [], [], []
-        for j, (origin, left, right) in enumerate(zip(*_intervals(high, False, period), strict=True)):
-            shift = origins - origin
-            middle = shift + 0.5 * (lefts + rights)
-            turns = np.ceil((left - middle) / period) * period
-            inside = np.flatnonzero(middle + turns < right)
-            inside = inside[np.argsort((middle + turns)[inside])]
-            if inside.size == 0:
-                changes.append(_Event(True, origin, left, right, tuple(after[j])))
-                continue
-            start = lefts[inside] + (shift + turns)[inside]
-            end = rights[inside] + (shift + turns)[inside]
-            at_edges = before[inside]
-            advances += [_Event(False, origin, left, start[0]), _Event(False, origin, end[-1], right)]
-            expected += [at_edges[0, 0] + after[j, 0], at_edges[-1, 1] + after[j, 1]]
-            gaps = zip(end[:-1], start[1:], zip(at_edges[:-1, 1], at_edges[1:, 0], strict=True), strict=True)
-            changes += [_Event(False, origin, *gap) for gap in gaps]
-        length = np.array([advance.right - advance.left for advance in advances])
-        is_short, is_direct = length < MAX_ADVANCE * finest, _is_direct(length, np.array(expected), low, high)
-        is_certain = bool(np.all(is_short & is_direct)) and self._has_no_more_minima(low, changes + advances)
-        return changes, is_certain
-
-    def _has_no_more_minima(self, low: ContactState, changes: list[_Event]) -> bool:
-        """Return whether the gap of a state has at most one minimum where a contact is born, and none elsewhere.
-
-        The changes are births, gaps that close, and intervals over which edges advance. If an edge has passed a
-        minimum of the gap, a contact was born there before.
-        """
-        table = [change[:4] for change in changes if change.right > change.left]
-        if not table:
-            return True
-        births, origin, left, right = np.transpose(table)
-        minima = _count_gap_minima(low, low.kind.series(self.starts.surface), origin, left, right)
-        return bool(np.all(minima <= births))
+        origin, left, right = _intervals(high, False, period)
+        within, start, end, order = _sort_into((origin, left, right), _intervals(low, False, period), period)
+        before, after = _loads_per_advance(low, period)[order], _loads_per_advance(high, period)
+        is_first, is_last = np.diff(within, prepend=-1) > 0, np.diff(within, append=left.size) > 0
+        old, new = within[is_first], np.delete(np.arange(left.size), within)
+        changes = [_Event(True, origin[j], left[j], right[j], tuple(after[j])) for j in new]
+        for i in np.flatnonzero(~is_last):
+            at_edges = float(before[i, 1]), float(before[i + 1, 0])
+            changes.append(_Event(False, origin[within[i]], end[i], start[i + 1], at_edges))
+        # the intervals over which left and right edges of contacts of `low` have advanced
+        since, until = np.concatenate([left[old], end[is_last]]), np.concatenate([start[is_first], right[old]])
+        expected = np.concatenate([before[is_first, 0] + after[old, 0], before[is_last, 1] + after[old, 1]])
+        length, finest = until - since, 2 * np.pi / self.starts.surface.heights.wavenumber[-1]
+        if np.any(length >= MAX_ADVANCE * finest) or not np.all(_is_direct(length, expected, low, high)):
+            return changes, False
+        # At most one minimum of the gap is left where a contact is born, and none elsewhere: if an edge has passed a
+        # minimum, a contact was born there before.
+        births, *places = np.array([change[:4] for change in changes]).reshape(-1, 4).T
+        advances = np.tile(origin[old], 2), since, until
+        around = np.array([np.concatenate(both) for both in zip(places, advances, strict=True)])
+        most, has_length = np.append(births, np.zeros(length.size)), around[2] > around[1]
+        minima = _count_gap_minima(low, low.kind.series(self.starts.surface), *around[:, has_length])
+        return changes, bool(np.all(minima <= most[has_length]))
 
     def _locate(
         self, low: ContactState, high: ContactState, changes: list[_Event]
@@ -276,28 +263,27 @@ class _Search(NamedTuple):
         ones, or if edges have jumped: then another event comes first.
         """
         first, surface = changes[0], self.starts.surface
-        followed = [low if first.birth else high]
-        loads, values = [followed[0].load], [_minimum(followed[0], followed[0].kind.series(surface), first)[1]]
+        state = low if first.birth else high
+        followed, minima = [state], [_minimum(state, state.kind.series(surface), first)]
         load, uncertain = _expected_load(low, high, first), np.inf
         while not (uncertain <= load and low.load < load < high.load):
-            if not low.load < load < high.load or len(loads) > MAX_ROOT_LOADS:
+            if not low.load < load < high.load or len(followed) > MAX_ROOT_LOADS:
                 return None
             try:
                 state = stages.follow_contacts(surface, _interpolate_contacts(followed, load), load)
             except ConvergenceError:
                 return None
             followed.append(state)
-            loads.append(load)
-            values.append(_minimum(state, state.kind.series(surface), first)[1])
-            load, difference = _root(loads, values)
-            uncertain = min(difference / ROOT_ERROR, abs(load - loads[-1]) / MIN_INTERVAL)
-        rate = abs((values[-1] - values[0]) / (loads[-1] - loads[0]))
+            minima.append(_minimum(state, state.kind.series(surface), first))
+            load, difference = _root([state.load for state in followed], [value for _, value in minima])
+            uncertain = min(difference / ROOT_ERROR, abs(load - state.load) / MIN_INTERVAL)
+        rate = abs((minima[-1][1] - minima[0][1]) / (state.load - followed[0].load))
         located: list[tuple[float, _Event]] = []
         for event in changes:
-            y, value = _minimum(followed[-1], followed[-1].kind.series(surface), event)
-            is_same = event.birth == first.birth and abs(value - values[-1]) <= rate * MIN_INTERVAL * load
+            y, value = minima[-1] if event is first else _minimum(state, state.kind.series(surface), event)
+            is_same = event.birth == first.birth and abs(value - minima[-1][1]) <= rate * MIN_INTERVAL * load
             length, rate_of_load = np.array([y - event.left, event.right - y]), np.array(event.load_per_advance)
-            lighter, heavier = (followed[-1], high) if event.birth else (low, followed[-1])
+            lighter, heavier = (state, high) if event.birth else (low, state)
             if not (is_same and np.all(_is_direct(length, rate_of_load, lighter, heavier))):
                 return None
             located.append((load, event._replace(left=y, right=y)))
@@ -309,6 +295,24 @@ def _intervals(state: ContactState, gaps: bool, period: float) -> tuple[Array, A
     contacts = contact_extent(state, period)
     origin, centre, half_width = intervals_between(contacts, period) if gaps else contacts
     return origin, centre - half_width, centre + half_width
+
+
+def _sort_into(
+    contacts: tuple[Array, Array, Array], smaller: tuple[Array, Array, Array], period: float
+) -> tuple[Indices, Array, Array, Indices]:
+    """Return the contact around the midpoint of each smaller one, its edges from that one's origin, and its index.
+
+    They are ordered from left to right. Midpoints are farther from edges than positions along the period are rounded,
+    or are counted from the same origin.
+    """
+    (origin, left, right), (start, lefts, rights) = contacts, smaller
+    middle, base = 0.5 * (lefts + rights), origin[0] + left[0]
+    ahead = np.searchsorted((origin + left - base) % period, (start + middle - base) % period, side="right")
+    within, shift = ahead - 1, start - origin[ahead - 1]
+    shift += np.ceil((left[within] - shift - middle) / period) * period
+    outside = np.count_nonzero(is_outside := middle + shift >= right[within])
+    order = np.lexsort((middle + shift, within, ~is_outside))[outside:]
+    return within[order], (lefts + shift)[order], (rights + shift)[order], order
 
 
 def _loads_per_advance(state: ContactState, period: float) -> Sides:
@@ -348,17 +352,31 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
     Its distance from the event's origin and its value, which may be negative.
     """
     left, right = event.left, event.right
-    for _ in range(ZOOMS):
+    for zoom in range(ZOOMS):
         y = np.linspace(left, right, SAMPLES + 2)
-        at = _crest_coordinates(series, np.full(SAMPLES, event.origin), y[1:-1])
-        value = values_at(state, series, *at, event.birth)
+        value = _values(state, series, event, y[1:-1])
         lowest = 1 + int(np.argmin(value))
+        if zoom > 0 and 1 < lowest < SAMPLES:
+            break
         left, right = y[lowest - 1], y[lowest + 1]
-    if not 1 < lowest < SAMPLES:
+    else:
         return float(y[lowest]), float(value[lowest - 1])
-    before, here, after = map(float, value[lowest - 2 : lowest + 1])
-    slope, curvature = 0.5 * (after - before), max(after - 2 * here + before, EPS * abs(here))
-    return float(y[lowest] - slope / curvature * (y[1] - y[0])), here - 0.5 * slope**2 / curvature
+    at, spacing, around = float(y[lowest]), float(y[1] - y[0]), value[lowest - 2 : lowest + 1]
+    for parabola in range(3):
+        if parabola > 0:
+            around = _values(state, series, event, at + spacing * np.arange(-1.0, 2.0))
+        before, here, after = map(float, around)
+        slope, curvature = 0.5 * (after - before), max(after - 2 * here + before, EPS * abs(here))
+        step = -min(max(slope / curvature, -1.0), 1.0)
+        at += spacing * step
+        spacing = float(y[1] - y[0]) / CLOSER
+    return at, here + step * (slope + 0.5 * step * curvature)
+
+
+def _values(state: ContactState, series: CosineSeries, event: _Event, y: Array) -> Array:
+    """Return the gap, for a birth, or the pressure at these distances from an event's origin."""
+    at = _crest_coordinates(series, np.full(y.size, event.origin), y)
+    return values_at(state, series, *at, event.birth)
 
 
 def _root(loads: list[float], values: list[float]) -> tuple[float, float]:
@@ -371,14 +389,27 @@ def _root(loads: list[float], values: list[float]) -> tuple[float, float]:
 
 
 def _interpolate_contacts(followed: list[ContactState], load: float) -> ContactState:
-    """Return a guess under a load: each centre and half-width on its polynomial in load through all states."""
-    loads = np.array([state.load for state in followed])
-    weight = [np.prod((load - (others := np.delete(loads, i))) / (p - others)) for i, p in enumerate(loads)]
-    nearest = followed[int(np.abs(loads - load).argmin())].segments
-    centre = np.tensordot(weight, [state.segments.centre for state in followed], 1)
-    half_width = np.tensordot(weight, [state.segments.half_width for state in followed], 1)
-    half_width = np.maximum(half_width, 0.5 * nearest.half_width)  # an extrapolation may vanish
-    return followed[0]._replace(segments=nearest._replace(centre=centre, half_width=half_width))
+    """Return a guess under a load: polynomials in load through all states, with the slope at the first one.
+
+    Half-widths are squared, since their squares are smooth at births and mergers. The density is that of the nearest
+    state.
+    """
+    first, step = followed[0], load - followed[0].load
+    inward = -1 if first.kind.is_slope else 1  # gaps shrink
+    advance = inward * 2 * first.tangent_strength / np.maximum(np.abs(segment_strengths(first)), 1e-300)
+    places = [np.stack([state.segments.centre, state.segments.half_width**2]) for state in followed]
+    slope = np.stack([0.5 * (advance[:, 1] - advance[:, 0]), first.segments.half_width * advance.sum(axis=1)])
+    centre, square = places[0] + step * slope
+    loads = np.array([state.load for state in followed[1:]])
+    for i, (p, place) in enumerate(zip(loads, places[1:], strict=True)):
+        others = np.delete(loads, i)
+        weight = (step / (p - first.load)) ** 2 * np.prod((load - others) / (p - others))
+        rest = place - places[0] - (p - first.load) * slope
+        centre, square = centre + weight * rest[0], square + weight * rest[1]
+    nearest = min(followed[1:] or followed, key=lambda state: abs(state.load - load))
+    # an extrapolated width may vanish
+    half_width = np.sqrt(np.maximum(square, 0.25 * nearest.segments.half_width**2))
+    return nearest._replace(segments=nearest.segments._replace(centre=centre, half_width=half_width))
 
 
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:

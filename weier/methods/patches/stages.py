@@ -33,6 +33,7 @@ from weier.methods.patches.given_edges import (
     MAX_DIRECT,
     Forces,
     solve_tangent,
+    transfer_forces,
     vanishing_at_edges,
 )
 from weier.methods.patches.inequalities import (
@@ -181,9 +182,12 @@ def converge(
 
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
     """Follow the contacts of a state to another load, without births and mergers, at the smallest tolerance."""
-    problem = ContactProblem(start.kind.series(surface), load, start.kind)
-    limits = load_limits(problem, start.segments.half_width, MIN_TOLERANCE)
-    guess = make_guess(problem, start.segments, FOLLOWED_TOLERANCE)
+    old, problem = start.segments, ContactProblem(start.kind.series(surface), load, start.kind)
+    limits = load_limits(problem, old.half_width, MIN_TOLERANCE)
+    guess = make_guess(problem, old, FOLLOWED_TOLERANCE)
+    if guess.punches.matrix is not None:  # psi = (1-t^2) phi from phi, whose last two coefficients are 0
+        b = 0.5 * (start.coefficient - np.append([0.0, 0.0], start.coefficient[:-2]))
+        guess = guess._replace(force=transfer_forces(old, b, np.arange(old.centre.size), guess.punches))
     _, step, _ = converge(problem, guess, limits, MAX_STEPS, is_fixed=True)
     return contact_state(problem, step)
 
