@@ -66,7 +66,7 @@ class Kernel:
 
     def __init__(self, function: Callable[..., Any]) -> None:
         functools.update_wrapper(self, function)
-        self.function, self.options, self.types = function, OPTIONS, 0
+        self.function, self.options, self.run = function, OPTIONS, self._run_first
 
     @functools.cached_property
     def within(self) -> Any:
@@ -85,27 +85,25 @@ class Kernel:
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the compiled function."""
-        compiled = self.compiled
         try:
-            if self.types or compiled is self.function:
-                return compiled(*arguments)
-            start = perf_counter()
-            self._compile(arguments)
-            COMPILING_SECONDS.set(COMPILING_SECONDS.get() + perf_counter() - start)
-            return compiled(*arguments)
+            return self.run(*arguments)
         except SystemError as error:  # numba runs Python for each array that it returns, where Ctrl-C may come
             cause: Any = error
             while cause.__cause__:
                 cause = cause.__cause__
             raise cause from None
 
-    def _compile(self, arguments: tuple[Any, ...]) -> None:
+    def _run_first(self, *arguments: Any) -> Any:
         """Load what is kept for arguments of these types, or compile it, which takes many seconds, and say so."""
-        source = Path(self.function.__code__.co_filename).parent.name  # numba names its own folder by this
-        if not (_numba()[1] and any(cache_folder().glob(f"{source}_*/*.nbi"))):
-            _announce(source)
-        self.compiled.compile(tuple(map(_numba()[0].typeof, arguments)))
-        self.types = 1
+        if self.compiled is not self.function:
+            start = perf_counter()
+            source = Path(self.function.__code__.co_filename).parent.name  # numba names its own folder by this
+            if not (_numba()[1] and any(cache_folder().glob(f"{source}_*/*.nbi"))):
+                _announce(source)
+            self.compiled.compile(tuple(map(_numba()[0].typeof, arguments)))
+            COMPILING_SECONDS.set(COMPILING_SECONDS.get() + perf_counter() - start)
+        self.run = self.compiled
+        return self.run(*arguments)
 
 
 def kernel(function: Function) -> Function:

@@ -219,7 +219,7 @@ def test_the_force_of_a_residual_is_no_larger_than_its_width_says(nodes):
         for coefficient in (np.eye(degree + 1)[-1], random.normal(size=degree + 1), np.arange(degree + 1.0)):
             polynomial = np.polynomial.Chebyshev(coefficient)
             largest, width, roughness = _sizes(first, state.segments.half_width, polynomial(t))
-            assert roughness[0] == pytest.approx(np.abs(coefficient) @ np.arange(degree + 1.0), rel=1e-9, abs=1e-12)
+            assert roughness[0] == pytest.approx(np.abs(coefficient) @ np.arange(degree + 1.0), rel=1e-9, abs=1e-11)
             force = r * np.abs(np.trapezoid(np.abs(polynomial(dense)), dense))
             assert SAMPLED_FACTOR * largest[0] * width[0] >= force * (1 - 1e-6)
             assert width[0] <= 2 * r

@@ -27,7 +27,7 @@ def moves_of(psi, r, gap, dual):
     first, b = np.append(0, np.cumsum([c.size for c in coefficients])), np.concatenate(coefficients)
     kind, extent = KINDS[dual], (first, np.array(r), np.array(gap))
     _, sides, (_, merging), move, *_ = edge_moves(*extent, np.ones(b.size), b, kind.right_sign, kind.curvature_k_0)
-    return sides[:, :2], merging, move, sides[:, 2]
+    return sides[:2].T, merging, move, sides[2]
 
 
 def psi_of_hertz(r, a, shift, curvature):
@@ -147,16 +147,16 @@ def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square
         segments = displaced(exact, size * scale)
         step = take_step(problem, make_guess(problem, segments, TOLERANCE), RESIDUAL)
         carried = carried_along(step, 0.0)
-        assert not np.any(carried.motion)  # which more nodes would make again
+        assert not np.any(carried.moves[4:])  # which more nodes would make again
         solved = take_step(problem, next_guess(problem, step, TOLERANCE, step.punches.segments.node_count), RESIDUAL)
         np.testing.assert_allclose(carried.punches.offset, solved.punches.offset, rtol=1e-12)
         errors.append(np.abs(carried.b - solved.b).max() / np.abs(solved.b).max())
-        assert np.all(np.abs(solved.outward) <= np.abs(carried.outward))
+        assert np.all(np.abs(solved.moves[:2].T) <= np.abs(carried.moves[:2].T))
         np.testing.assert_allclose(carried.forces.force, solved.forces.force, rtol=1e-5)
-        moves = np.abs(step.outward)
+        moves = np.abs(step.moves[:2].T)
         left = 2 * moves.max() ** 2 / scale  # twice the square and rounding, to the displacement of the segments
-        for rounding, part in ((0.0, 0.0), (0.1 * step.singular[0], 0.1), (1.0, 1.0)):
-            np.testing.assert_allclose(carried_along(step, rounding).outward, left + part * moves, rtol=3e-3)
+        for rounding, part in ((0.0, 0.0), (0.1 * step.moves[2, 0], 0.1), (1.0, 1.0)):
+            np.testing.assert_allclose(carried_along(step, rounding).moves[:2].T, left + part * moves, rtol=3e-3)
     moved = np.abs(step.b - solved.b).max() / np.abs(solved.b).max()
     assert errors[1] < 0.01 * moved
     assert errors[0] < 0.35 * errors[1] + 1e-11  # a quarter
@@ -198,11 +198,11 @@ def test_contacts_merge_if_the_moves_of_their_edges_leave_no_gap_and_vanish_with
     first, gap, force = np.array([0, 1, 2]), np.array([0.1, 3.0]), np.ones(2)
     both, closed = np.array([[0.0, 0.051], [0.051, 0.0]]), np.zeros(2, bool)
     for outward, merges in ((both, True), (both * [[1, 1], [0, 1]], False), (both * [[1, 1], [-1, 1]], False)):
-        (vanishing, merging), changes = _changes(first, gap, force, outward, closed)
+        (vanishing, merging), changes = _changes(first, gap, force, outward.T, closed)
         assert merging.tolist() == [merges, False]
         assert changes == merges
         assert not np.any(vanishing)
-    (vanishing, merging), changes = _changes(first, gap, np.array([1.0, -1.0]), both, np.array([True, False]))
+    (vanishing, merging), changes = _changes(first, gap, np.array([1.0, -1.0]), both.T, np.array([True, False]))
     assert (vanishing.tolist(), merging.tolist(), changes) == ([False, True], [False, False], True)
 
 

@@ -120,14 +120,14 @@ def test_contacts_without_the_last_wave_are_a_start(load):
 
 def test_contacts_that_do_not_sink_in_or_carry_another_load_are_refused():
     state = patches.solve_load(THREE_WAVES, 0.5).state
-    check_violation(state, state.kind.imbalance(state, 1.0)[0], 1.0, 1e-10)
+    check_violation(state, state.residual, state.kind.imbalance(state, 1.0)[0], 1.0, 1e-10)
     for wrong in (
         state._replace(approach=-1.0),
         state._replace(load=0.5 * (1 + 1e-7)),
         state._replace(residual=1e-7),
     ):
         with pytest.raises(ConvergenceError, match="violate their conditions"):
-            check_violation(wrong, wrong.kind.imbalance(wrong, 1.0)[0], 1.0, 1e-10)
+            check_violation(wrong, wrong.residual, wrong.kind.imbalance(wrong, 1.0)[0], 1.0, 1e-10)
 
 
 @pytest.mark.parametrize("below", [0.0, 1e-13, 1e-12, 1e-11])

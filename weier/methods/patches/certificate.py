@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices, Records
-from weier.kernels.jit import kernel
+from weier.kernels.jit import in_any_order, kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
@@ -114,21 +114,21 @@ def _sizes(first_node: Indices, half_width: Array, samples: Array) -> NDArray[np
     return sizes
 
 
+@in_any_order
 @kernel
 def _roughness(samples: Array) -> float:
     """Return sum n |c_n| of sum c_n T_n through samples at the zeros of a Chebyshev polynomial.
 
-    The cosines are cos(k pi/(2 N)), k = n (2 i + 1) modulo 4 N.
+    The compiler vectorises the recurrence of the polynomials at all samples.
     """
     count, total = samples.size, 0.0
-    cosine = np.cos(np.arange(4 * count) * (0.5 * np.pi / count))
+    t = np.cos((np.arange(count) + 0.5) * np.pi / count)
+    before, value = np.ones(count), t.copy()
     for n in range(1, count):
-        coefficient, k = 0.0, n
+        coefficient = 0.0
         for i in range(count):
-            coefficient += samples[i] * cosine[k]
-            k += 2 * n
-            if k >= 4 * count:
-                k -= 4 * count
+            coefficient += samples[i] * value[i]
+            before[i], value[i] = value[i], 2 * t[i] * value[i] - before[i]
         total += n * abs(coefficient)
     return 2 / count * total
 
@@ -176,14 +176,14 @@ def certify(
     """
     kind, period = state.kind, series.period
     missing, closure = kind.imbalance(state, period)
-    largest = float((kind.residual_height(state.segments.half_width) * residual).max())
-    state = state._replace(residual=max(largest, closure))
-    check_violation(state, missing, period, tolerance)
+    largest = float(kind.as_height(residual, state.segments.half_width).max())
+    worst = max(largest, closure)
+    check_violation(state, worst, missing, period, tolerance)
     gap, pressure, roughness = kind.violations(SAMPLED_FACTOR * largest, SAMPLED_FACTOR * residual, roughness)
     width = residual_width[: pressure.size]
     # A residual pressure sigma on a width W displaces the surface by about 2 sigma W (`error_bound`).
     displacement = 2 * SAMPLED_FACTOR * largest if kind.is_slope else 0.0
-    gap = max(gap, closure, -float(overlaps["value"].min(initial=0.0)))
+    gap = max(gap, closure, *(-overlaps["value"]).tolist())
     if tensions.size > 0:
         contacts = kind.contacts_of(state.segments.extent, period)
         intervals = kind.tensions(contacts, tensions, period)
@@ -194,18 +194,15 @@ def certify(
         state = state._replace(tensions=intervals[np.abs(middle) + reach < 1 - 4 * EPS])
     moved, beyond, unsure = crack_effect(state, period)
     error = unsure + error_bound(
-        state.indentation(total_amplitude),
-        state.load,
-        missing + beyond,
-        gap + moved,
-        pressure,
-        width,
-        period,
+        state.indentation(total_amplitude), state.load, missing + beyond, gap + moved, pressure, width, period
     )
-    uncertainty = gap_uncertainty(error + displacement, total_amplitude)
+    height_error = error + displacement
+    uncertainty = gap_uncertainty(height_error, total_amplitude)
     minima = kind.narrow_gaps(state, series, overlaps, margin, uncertainty)
-    narrow = minima[minima["value"] < uncertainty]
-    return state._replace(error=error, height_error=error + displacement, roughness=roughness, narrow_gaps=narrow)
+    narrow = minima[minima["value"] < uncertainty] if minima.size > 0 else minima
+    return state._replace(
+        residual=worst, error=error, height_error=height_error, roughness=roughness, narrow_gaps=narrow
+    )
 
 
 def crack_effect(state: ContactState, period: float) -> tuple[float, float, float]:
@@ -239,10 +236,10 @@ def gap_uncertainty(error: float, height: float) -> float:
     return 4 * error + FIELD_ROUNDING * height
 
 
-def check_violation(state: ContactState, missing: float, period: float, tolerance: float) -> None:
+def check_violation(state: ContactState, residual: float, missing: float, period: float, tolerance: float) -> None:
     """Raise ConvergenceError if the residual is too large, or a pressure is missing from the load."""
     scale = state.kind.residual_scale(state.load, state.approach, period)
-    relative = state.residual / scale if scale > 0 else np.inf  # rounding has left no digit of the indentation
+    relative = residual / scale if scale > 0 else np.inf  # rounding has left no digit of the indentation
     relative = max(relative, missing / state.load)
     if not relative <= MAX_RESIDUAL * tolerance:
         raise ConvergenceError(

@@ -26,7 +26,7 @@ from weier.methods.patches.given_edges import (
     transfer_forces,
 )
 from weier.methods.patches.kind import Kind, KindNumbers, numbers_of
-from weier.methods.patches.rule import expand_forces
+from weier.methods.patches.rule import Table, expand_forces
 from weier.methods.patches.segments import (
     MAX_NODES,
     Segments,
@@ -35,7 +35,6 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import (
     CosineSeries,
-    Sides,
     evaluate_on,
     from_crests,
     in_order,
@@ -51,18 +50,16 @@ SETTLED_MOVE = 0.1
 @kernel
 def edge_moves(
     first_node: Indices, r: Array, gap: Array, force: Array, b: Array, right_sign: float, curvature_k_0: float
-) -> tuple[Array, Sides, Flags, float, float, bool, bool]:
-    """Return the fields of `NewtonStep` from `a` on except `motion`, from forces and their expansion b.
-
-    The moves outward are the first two columns of an array, `singular` and `narrowest` the others; vanishing and
-    merging are rows.
+) -> tuple[Array, Table, Flags, float, float, bool, bool]:
+    """Return the fields of `NewtonStep` from `a` on, from forces and their expansion b; `vanishing, merging` as rows.
 
     All values at the ends have the sign of the left end, where a gap opens. A contact narrower than the adjacent gaps
     is Hertzian. At an edge of a narrow gap, the value for the gap replaces the Hertzian one, and the opposite edge
     determines both Hertzian values. A gap narrower than both contacts grows by the mean of its ends.
     """
     n, a = r.size, regular_part(first_node, b)
-    psi, phi, slope, outward = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 4))
+    psi, phi, slope, moves = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty((6, n))
+    left_move, right_move, singular, narrowest, shifts, growths = moves
     closed, move, largest = np.empty(n, np.bool_), 0.0, 0.0
     for j in range(n):
         for side in range(2):
@@ -74,15 +71,15 @@ def edge_moves(
                 inward -= sign * k * k * b[q]
                 sign = -sign if side == 0 else sign
             psi[j, side], phi[j, side], slope[j, side] = at_end, regular, inward
-        outward[j, 2] = 2 * np.pi * r[j] * max(abs(psi[j, 0]), abs(psi[j, 1]))
-        largest = np.maximum(largest, outward[j, 2])  # NaN stays the largest: the iteration does not end then
+        singular[j] = 2 * np.pi * r[j] * max(abs(psi[j, 0]), abs(psi[j, 1]))
+        largest = np.maximum(largest, singular[j])  # NaN stays the largest: the iteration does not end then
     for j in range(n):  # contacts in wide gaps are Hertzian
         first, last = (0 if gap[j - 1] >= 2 * r[j] else 1), (1 if gap[j] >= 2 * r[j] else 0)
         # Overlap moves an edge outward even if phi differs from Hertz's.
         left = psi[j, first] / max(abs(phi[j, first]), 1e-300)
         right = psi[j, last] / max(abs(phi[j, last]), 1e-300)
         growth, shift = _width_growth(0.5 * (left + right)), min(max(0.5 * (right - left), -1.0), 1.0)
-        outward[j, 0], outward[j, 1] = (growth - shift) * r[j], (growth + shift) * r[j]
+        left_move[j], right_move[j] = (growth - shift) * r[j], (growth + shift) * r[j]
     for j in range(n):  # narrow gaps move their own edges
         k, half = (j + 1) % n, 0.5 * gap[j]
         left = _gap_growth(psi[j, 1], slope[j, 1], r[j], half, curvature_k_0)
@@ -92,14 +89,15 @@ def edge_moves(
         shift = min(max(0.5 * (right - left), -1.0), 1.0) if narrower_left and narrower_right else 0.0
         closed[j], widening = (narrower_left or narrower_right) and 1 + 2 * linear < 0, _width_growth(linear)
         if narrower_left:
-            outward[j, 1] = -half * (widening - shift)
+            right_move[j] = -half * (widening - shift)
         if narrower_right:
-            outward[k, 0] = -half * (widening + shift)
+            left_move[k] = -half * (widening + shift)
     for j in range(n):
-        outward[j, 3] = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
-        move = max(move, max(abs(outward[j, 0]), abs(outward[j, 1])) / outward[j, 3])
-    changes, is_changed = _changes(first_node, gap, force, outward, closed)
-    return a, outward, changes, move, largest, is_changed, move < SETTLED_MOVE and not is_changed
+        narrowest[j] = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
+        move = max(move, max(abs(left_move[j]), abs(right_move[j])) / narrowest[j])
+        shifts[j], growths[j] = 0.5 * (right_move[j] - left_move[j]), 0.5 * (right_move[j] + left_move[j])
+    changes, is_changed = _changes(first_node, gap, force, moves, closed)
+    return a, moves, changes, move, largest, is_changed, move < SETTLED_MOVE and not is_changed
 
 
 @kernel
@@ -152,10 +150,9 @@ class NewtonStep(NamedTuple):
     """Solution on the contacts of a guess, and changes of the set of contacts.
 
     b, a : coefficients of psi in T_k, of its regular part in U_k
-    outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
-    singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
-    narrowest : half-width of each contact or an adjacent gap, if that is smaller, in lambda_0, shape (contacts,)
-    motion : shift of each centre, and growth of each half-width, by these moves, shape (2, contacts)
+    moves : as rows, each of shape (contacts,): how far the left and the right edge move out of the contact, in
+        lambda_0; height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0; half-width of the contact or
+        an adjacent gap, if that is smaller, in lambda_0; shift of the centre, and growth of the half-width
     vanishing : contacts without force
     merging : contacts whose gap on the right vanishes, or has a negative squared width
     move : the largest move of an edge over `narrowest`
@@ -168,10 +165,7 @@ class NewtonStep(NamedTuple):
     forces: Forces
     b: Array
     a: Array
-    outward: Sides
-    singular: Array
-    narrowest: Array
-    motion: NDArray[np.float64]
+    moves: Table
     vanishing: Flags
     merging: Flags
     move: float
@@ -197,29 +191,23 @@ def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> Newto
     nodes = segments.crest, segments.centre, segments.first_node, punches.offset
     forcing = evaluate_on(problem.series.local, *nodes, problem.highest)
     forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
-    moves = segments.half_width, segments.first_node, punches.gap, punches.left, forces.force
-    b, a, outward, motion, changes, *sizes = _moves(*moves, period, numbers_of(problem.kind, period))
-    singular, narrowest = outward.T[2:]
-    return NewtonStep(punches, forces, b, a, outward[:, :2], singular, narrowest, motion, *changes, *sizes)
+    known = segments.first_node, segments.half_width, punches.gap, punches.left, forces.force
+    b, a, moves, changes, *sizes = _moves(*known, period, numbers_of(problem.kind, period))
+    return NewtonStep(punches, forces, b, a, moves, *changes, *sizes)
 
 
 @kernel
 def _moves(
-    r: Array, first_node: Indices, gap: Array, left: Array, force: Array, period: float, numbers: KindNumbers
-) -> tuple[Array, Array, Sides, NDArray[np.float64], Flags, float, float, bool, bool]:
+    first_node: Indices, r: Array, gap: Array, left: Array, force: Array, period: float, numbers: KindNumbers
+) -> tuple[Array, Array, Table, Flags, float, float, bool, bool]:
     """Return the fields of `NewtonStep` from b on, from forces."""
     _, shift, derivative, _, _, _, right_sign, curvature_k_0 = numbers
-    b, motion = expand_forces(first_node, r, left, force, period, shift, derivative), np.empty((2, r.size))
-    a, outward, changes, move, largest, is_changed, is_settled = edge_moves(
-        first_node, r, gap, force, b, right_sign, curvature_k_0
-    )
-    for j in range(r.size):
-        motion[0, j], motion[1, j] = 0.5 * (outward[j, 1] - outward[j, 0]), 0.5 * (outward[j, 1] + outward[j, 0])
-    return b, a, outward, motion, changes, move, largest, is_changed, is_settled
+    b = expand_forces(first_node, r, left, force, period, shift, derivative)
+    return b, *edge_moves(first_node, r, gap, force, b, right_sign, curvature_k_0)
 
 
 @kernel
-def _changes(first_node: Indices, gap: Array, force: Array, outward: Sides, closed: Flags) -> tuple[Flags, bool]:
+def _changes(first_node: Indices, gap: Array, force: Array, moves: Table, closed: Flags) -> tuple[Flags, bool]:
     """Return which contacts vanish without force, which merge over the gap on their right, and whether any do."""
     n, strongest, most, is_changed = gap.size, 0, -np.inf, False
     changes = np.empty((2, n), np.bool_)
@@ -234,7 +222,7 @@ def _changes(first_node: Indices, gap: Array, force: Array, outward: Sides, clos
     vanishing[strongest] = False  # At least one contact remains.
     for j in range(n):
         k = (j + 1) % n
-        is_closed = closed[j] or gap[j] <= outward[j, 1] + outward[k, 0]
+        is_closed = closed[j] or gap[j] <= moves[1, j] + moves[0, k]
         merging[j] = is_closed and not (vanishing[j] or vanishing[k])
         is_changed = is_changed or vanishing[j] or merging[j]
     return changes, is_changed
@@ -242,8 +230,7 @@ def _changes(first_node: Indices, gap: Array, force: Array, outward: Sides, clos
 
 def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node_count: Indices) -> Iterate:
     """Return the guess after a step, with new node counts: edges moved, contacts removed and merged."""
-    old, series = step.punches.segments, problem.series
-    shift, growth = step.motion
+    old, series, (shift, growth) = step.punches.segments, problem.series, step.moves[4:]
     moved, b = make_segments(old.crest, old.origin, old.centre + shift, old.half_width + growth, node_count), step.b
     if step.punches.matrix is not None:  # A direct solution needs no forces to start from.
         b, _ = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
@@ -259,21 +246,30 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     """Return a step with moved edges and transferred density: the next step to first order.
 
     Its moves are bounds on the moves of the next step: the contribution of rounding of the singularity, in g_0, and
-    twice the square of the present ones, since the strength B changes with the edges as well.
-    `motion` is 0, since it has been made.
+    twice the square of the present ones, since the strength B changes with the edges as well. Shifts and growths are
+    0, since they have been made.
     """
-    punches, (shift, growth) = step.punches, step.motion
+    punches, (shift, growth) = step.punches, step.moves[4:]
     old = punches.segments
-    b, a = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
+    b, a, left = _carry(old.first_node, old.half_width, step.b, step.a, step.moves, step.move, rounding)
     segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
     moved = make_punches(segments, punches.period, punches.kind, MAX_NODES * shift.size)
-    force = transfer_forces(old, b, np.arange(shift.size), moved)
-    rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
-    left = 2 * step.move**2 * step.narrowest[:, None] + rounded[:, None] * np.abs(step.outward)
-    motion = np.zeros_like(step.motion)
-    return step._replace(
-        punches=moved, forces=step.forces._replace(force=force), b=b, a=a, outward=left, motion=motion
-    )
+    forces = step.forces._replace(force=transfer_forces(old, b, np.arange(shift.size), moved))
+    return step._replace(punches=moved, forces=forces, b=b, a=a, moves=left)
+
+
+@kernel
+def _carry(
+    first_node: Indices, r: Array, b: Array, a: Array, moves: Table, move: float, rounding: float
+) -> tuple[Array, Array, Table]:
+    """Return the expansions and the moves of `carried_along`."""
+    left, (_, _, singular, narrowest, shift, growth) = np.zeros(moves.shape), moves
+    for j in range(r.size):
+        rounded, left[2, j], left[3, j] = min(1.0, rounding / max(singular[j], 1e-300)), singular[j], narrowest[j]
+        for side in range(2):
+            left[side, j] = 2 * move**2 * narrowest[j] + rounded * abs(moves[side, j])
+    b, a = moved_expansion(first_node, r, b, a, shift, growth)
+    return b, a, left
 
 
 def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) -> Array:

@@ -69,9 +69,9 @@ class Gaps:
         """Return the mean gap."""
         return total / period
 
-    def residual_height(self, half_width: Array) -> Array:
-        """Return the width: pressure times width is a displacement."""
-        return 2 * half_width
+    def as_height(self, residual: Array, half_width: Array) -> Array:
+        """Return pressure times width, a displacement."""
+        return 2 * half_width * residual
 
     def rounded_width(self, period: float, half_width: Array) -> float:
         """Return the width of the widest gap."""

@@ -215,7 +215,7 @@ def _solve_iteratively(
     kind, segments, unit = punches.kind, punches.segments, load * punches.period
     forcing, force, least = forcing / unit, start / unit, least / unit
     inverse = kind.invert_punches(segments.half_width, segments.middle, punches.period)
-    scale = punches.at_nodes(kind.residual_height(segments.half_width))
+    radius = punches.at_nodes(segments.half_width)
     even, per_force = np.zeros(start.size), 0.0  # M^-1 1, and the displacement by a multiple of it with the sum 1
     if inverse is not None:
         even = _precondition(punches, inverse, np.ones(start.size))
@@ -229,7 +229,7 @@ def _solve_iteratively(
         change -= shift * even
         residual -= shift
         plane += shift
-        size = float(np.abs(scale * residual).max())
+        size = float(np.abs(kind.as_height(residual, radius)).max())
         enough = max(least, reduction * size) if enough < 0 else enough
         if size <= enough or step == MAX_STEPS:
             break

@@ -145,9 +145,7 @@ def _minima_between(
 def find_negative_intervals(state: ContactState) -> Records:
     """Return intervals on segments with a negative pressure (on contacts) or gap, as `NEGATIVE`."""
     segments = state.segments
-    found, _, _ = _negative_intervals(
-        segments.first_node, segments.half_width, state.coefficient, state.kind.is_slope
-    )
+    found, _ = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, state.kind.is_slope)
     if found.size > 0:
         width = (found["end"] - found["start"]) * segments.half_width[found["segment"]]
         found["height"] *= state.kind.violation_height(width)
@@ -157,14 +155,14 @@ def find_negative_intervals(state: ContactState) -> Records:
 @kernel
 def _negative_intervals(
     first: Indices, half_width: Array, coefficient: Array, is_gap: bool
-) -> tuple[Records, Array, Array]:
+) -> tuple[Records, NDArray[np.float64]]:
     """Return the intervals of `find_negative_intervals`, with the value in the middle as `height`, and all samples.
 
-    The samples are points t of all segments, 2 K + 2 on K nodes, and the pressures or gaps there.
+    The samples are, as rows, points t of all segments, 2 K + 2 on K nodes, and the pressures or gaps there.
     """
     found, count = np.empty(SAMPLES_PER_NODE * first[-1] + 2 * first.size, NEGATIVE), 0
-    samples = SAMPLES_PER_NODE * first[-1] + 2 * half_width.size
-    points, values, last = np.empty(samples), np.empty(samples), 0
+    samples, last = np.empty((2, SAMPLES_PER_NODE * first[-1] + 2 * half_width.size)), 0
+    points, values = samples
     for j in range(first.size - 1):
         r, a = half_width[j], smooth_part(coefficient[first[j] : first[j + 1]], is_gap)
         t, value = _sample_expansion(a)
@@ -188,7 +186,7 @@ def _negative_intervals(
                 here.height = abs(at_point(evaluate_expansion(a, middle), middle, r, is_gap))
                 count += 1
             i += 1
-    return found[:count], points, values
+    return found[:count], samples
 
 
 @kernel
@@ -239,7 +237,7 @@ def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> 
 def gap_minima(state: ContactState) -> Records:
     """Return minima of the gap within gaps, as `MINIMUM`: samples, exact where a gap nearly closes."""
     segments = state.segments
-    _, t, value = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, True)
+    _, (t, value) = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, True)
     at = np.flatnonzero((value[1:-1] <= value[:-2]) & (value[1:-1] < value[2:])) + 1
     at = at[np.abs(t[at]) < 1]  # a gap always closes at its ends
     minima = np.empty(at.size, MINIMUM)

@@ -67,7 +67,7 @@ def cotangent_integrals(segments: SegmentArrays, coefficient: Array, period: flo
             s[i], c[i] = sine[i] * u - cosine[i] * v, cosine[i] * u + sine[i] * v
             t = _local_coordinate(start[j], centre[j], r, period, origin[i], y[i])
             if abs(t) <= reach:
-                integral[i] += _near_field(a, r * t - node, force, r, t, period, 1)
+                integral[i] += _near_field(a, r * t - node, force, r, t, reach, period, 1)
                 s[i], c[i] = np.sin(factor * r * t), np.cos(factor * r * t)
         for q in range(a.size):
             f, u, v = force[q], np.cos(factor * node[q]), np.sin(factor * node[q])
@@ -77,14 +77,17 @@ def cotangent_integrals(segments: SegmentArrays, coefficient: Array, period: flo
 
 
 @kernel
-def _near_field(a: Array, apart: Array, force: Array, r: float, t: float, period: float, power: int) -> float:
+def _near_field(
+    a: Array, apart: Array, force: Array, r: float, t: float, reach: float, period: float, power: int
+) -> float:
     """Return by how much an integral over a segment exceeds the sum over its nodes, at its own coordinate t.
 
     The kernel is ln|2 sin(pi (x-s)/L)| for the power 0, and cot or 1/sin^2 of the same angle for 1 and 2. The poles
     of the segment, and of its images on both sides if these are near, are integrated in closed form, and summed over
-    the distances `apart` from the nodes. The rest of the kernel is smooth, so that the sum is exact.
+    the distances `apart` from the nodes. The rest of the kernel is smooth, so that the sum is exact, and from
+    `reach` on (`far_field_from`) the whole.
     """
-    reach, total, distance = far_field_from(a.size), 0.0, np.empty(a.size)
+    total, distance = 0.0, np.empty(a.size)
     if abs(t) > reach:
         return 0.0
     images = 0 if period / r - abs(t) > reach else 1
@@ -224,8 +227,8 @@ def _complete_residuals(
     for j in range(centres.size):
         first, last = first_node[j], first_node[j + 1]
         start, centre, r = starts[j], centres[j], half_width[j]
-        a, apart = coefficient[first:last], np.empty(last - first)
-        reach = min(far_field_from(a.size) * r + 4 * EPS * period, 0.5 * period)  # x is rounded
+        a, apart, far = coefficient[first:last], np.empty(last - first), far_field_from(last - first)
+        reach = min(far * r + 4 * EPS * period, 0.5 * period)  # x is rounded
         for image in range(-1, 2):
             middle = start + centre + image * period
             for i in range(first_from(x, middle - reach), first_from(x, middle + reach)):
@@ -235,7 +238,7 @@ def _complete_residuals(
                 turns = period * np.rint(apart[0] / period - t * r / period)
                 for q in range(a.size):
                     apart[q] -= turns
-                total[i] += _near_field(a, apart, force[first:last], r, t, period, 2 if is_slope else 0)
+                total[i] += _near_field(a, apart, force[first:last], r, t, far, period, 2 if is_slope else 0)
     for i in range(offset.size):
         total[i] = highest - evaluate_series(local, crest[i], offset[i])[0] + factor * total[i]
 

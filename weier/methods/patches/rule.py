@@ -177,11 +177,12 @@ def expand_forces(
     b_n is proportional to the sum of W(n, i) left_i f_i, where W is cos or, for gaps, sin of n (pi - theta_i), from a
     table over a whole turn that keeps all digits.
     """
-    b = np.zeros(force.size)
+    b, wave = np.zeros(force.size), np.empty(0)
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
         N = last - first + shift - 1
-        wave = _wave_table(N, derivative)
+        if wave.size != 4 * N:  # Neighbours often have the same.
+            wave = _wave_table(N, derivative)
         for i in range(first, last):
             f, index, step = left[i] * force[i], 0, 2 * N - 2 * (i - first) - shift
             for n in range(first, last):
@@ -210,13 +211,14 @@ def forces_from_expansion(
 
     Coefficients of a degree too high for the nodes are omitted.
     """
-    force = np.zeros(first_node[-1])
+    force, wave = np.zeros(first_node[-1]), np.empty(0)
     for j in range(r.size):
         if origin[j] < 0:
             continue
         first, last, old = first_node[j], first_node[j + 1], old_first_node[origin[j]]
         N = last - first + shift - 1
-        wave = _wave_table(N, derivative)
+        if wave.size != 4 * N:
+            wave = _wave_table(N, derivative)
         count = old_first_node[origin[j] + 1] - old
         if count > last - first:
             count = last - first

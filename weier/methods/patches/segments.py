@@ -52,14 +52,15 @@ class Segments(NamedTuple):
     crest : index of the crest from which the segment's position is counted, shape (segments,)
     origin : position of that crest, or of its image next to the segment, in lambda_0, shape (segments,)
     centre, half_width : c from the origin, and r, in lambda_0, shape (segments,)
-    first_node : index of each segment's first node and, last, the number of all nodes, shape (segments + 1,)
+    first_node : index of each segment's first node and, last, the number of all nodes, shape (segments + 1,);
+        none of a guess
     """
 
     crest: Indices
     origin: Array
     centre: Array
     half_width: Array
-    first_node: Indices
+    first_node: Indices = np.empty(0, np.int64)
 
     @property
     def node_count(self) -> Indices:

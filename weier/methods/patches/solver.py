@@ -207,10 +207,9 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     failure, best, steps = ConvergenceError(""), np.inf, 0
     first = min(max(starts.tolerance, MIN_TOLERANCE), MAX_TOLERANCE)
     second = max(first / MAX_OVER_TARGET, MIN_TOLERANCE) if first > MIN_TOLERANCE else first / TARGET
-    for attempt, relative in enumerate((first, second), 1):
+    guess = starts.guess(load)
+    for relative in (first, second):
         try:
-            guess = starts.guess(load)
-            guess = guess._replace(route=guess.route._replace(attempts=attempt))
             state, more = solve_in_stages(starts.surface, guess, relative, max(first, relative))
         except ConvergenceError as error:
             failure = error
@@ -219,6 +218,7 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
             if (known := state.error + _rounding(starts.surface)) <= starts.tolerance:
                 return state, steps
             best = min(best, known)
+        guess = guess._replace(route=guess.route._replace(attempts=2))
     if best < np.inf:
         cause = " because of rounding" if second > first else ""
         failure = ConvergenceError(

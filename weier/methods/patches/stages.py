@@ -41,7 +41,7 @@ from weier.methods.patches.inequalities import (
     find_negative_intervals,
 )
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_TENSION, KindNumbers, numbers_of
-from weier.methods.patches.rule import expand_forces
+from weier.methods.patches.rule import Table, expand_forces
 from weier.methods.patches.segments import (
     ContactState,
     coefficient_tails,
@@ -55,8 +55,8 @@ from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
 MAX_STEPS = 60  # Newton steps per load; 2.6 on average, at most 9 for 4 000 hard loads
 MIN_TOLERANCE = 10 * FIELD_ROUNDING  # smallest relative tolerance of the residual
-# largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
-# then vanishes again
+# largest relative tolerance of the residual: 1e-4 saves no more time, and a loose one may insert a gap whose edges it
+# cannot determine, which then vanishes again
 MAX_TOLERANCE = 1e-6
 # For the nodes of contacts that are followed, which have no stage 3: the least pressure of merged contacts needs more
 # nodes than the compliance. With 1e-10, loads of events of traces were up to 1e-7 off, with 1e-16 up to 2e-10.
@@ -136,7 +136,7 @@ def solve_in_stages(
             now = next_guess(problem, step, tolerance, np.maximum(count, enough))
             continue
         residual, width, roughness = contact_residual(state, series)  # stage 3
-        height = kind.residual_height(state.segments.half_width) * residual
+        height = kind.as_height(residual, state.segments.half_width)
         more_of_each, is_short = more_nodes(count, height, limits.allowed)
         # More nodes do not reduce rounding, and in gaps they increase it.
         if is_short and height.max() < coarser:
@@ -146,8 +146,8 @@ def solve_in_stages(
         tangent = solve_tangent(solved.punches, solved.forces, max(np.sqrt(EPS), tolerance))
         overlaps, tensions = kind.overlaps_and_tensions(minima, negative)
         resistance, strength = _resistance(solved, step, tangent)
-        route = guess.route._replace(steps=steps, corrections=corrections)
-        state = state._replace(resistance=resistance, tangent_strength=strength, edge_move=step.outward, route=route)
+        route, moves = guess.route._replace(steps=steps, corrections=corrections), step.moves[:2].T
+        state = state._replace(resistance=resistance, tangent_strength=strength, edge_move=moves, route=route)
         state, tensions = with_cracks(state, series, step.punches, tangent, tensions, residual)
         violations = residual, width, roughness, overlaps, tensions
         checks = surface.total_amplitude, accepted or tolerance, limits.margin
@@ -332,8 +332,8 @@ def _resistance(solved: NewtonStep, step: NewtonStep, tangent: Forces) -> tuple[
     Edges that have moved since the last solution have released energy, which is included.
     """
     punches, kind, period = solved.punches, solved.punches.kind, solved.punches.period
-    outward = solved.outward if step is not solved else np.zeros_like(step.outward)
-    segments = punches.segments.first_node, punches.segments.half_width, outward
+    moves = solved.moves if step is not solved else np.zeros_like(step.moves)
+    segments = punches.segments.first_node, punches.segments.half_width, moves
     numbers = numbers_of(kind, period)
     strength, released = _strengths(*segments, punches.left, tangent.force, period, kind.strength_factor, numbers)
     # The increment of gaps is the increment of the tension, which opens them.
@@ -344,7 +344,7 @@ def _resistance(solved: NewtonStep, step: NewtonStep, tangent: Forces) -> tuple[
 def _strengths(
     first_node: Indices,
     r: Array,
-    outward: Sides,
+    moves: Table,
     left: Array,
     force: Array,
     period: float,
@@ -358,5 +358,5 @@ def _strengths(
     for j in range(r.size):
         for side in range(2):
             strength[j, side] = factor * abs(strength[j, side])
-            released += strength[j, side] ** 2 * outward[j, side]
+            released += strength[j, side] ** 2 * moves[side, j]
     return strength, 2 * np.pi**2 / period * released

@@ -24,8 +24,8 @@ from weier.methods.patches.kind import NEW_CONTACT_WIDTH, Kind
 from weier.methods.patches.segments import (
     ContactState,
     Route,
+    Segments,
     estimate_node_count,
-    make_segments,
 )
 from weier.methods.patches.surface import (
     CosineSeries,
@@ -85,13 +85,12 @@ class Starts:
 
         ConvergenceError is raised if no grid shows a contact and a gap.
         """
-        if (isolated := isolated_contacts(self.surface.heights, load)) is not None:
-            return isolated._replace(route=Route("crests"))
-        if (isolated := isolated_gaps(self.surface.tensions, load)) is not None:
-            return isolated._replace(route=Route("tensions"))
+        heights, tensions = self.surface.heights, self.surface.tensions
+        if isolated := isolated_contacts(heights, load) or isolated_gaps(tensions, load):
+            return isolated
         for per_wave in POINTS_PER_WAVE:
             if (found := self._contacts_on_grid(load, per_wave)) is not None:
-                return contacts_guess(self.surface, load, found)._replace(route=Route("grid"))
+                return contacts_guess(self.surface, load, found)
         raise ConvergenceError(f"a grid shows no contacts to start from under the mean pressure {load:.6g} p_0*")
 
     def _contacts_on_grid(self, load: float, per_wave: int) -> Intervals | None:
@@ -150,27 +149,34 @@ def _make_guess(series: CosineSeries, load: float, kind: Kind, places: Intervals
     """Return segments, given in any order, without nodes."""
     order, turns = in_order(places[0], series.period)
     placed = *from_crests(series, (places[0] - turns)[order]), places[1, order]
-    return ContactState(kind, load, 0.0, make_segments(*placed, np.zeros(order.size, np.int64)))
+    return ContactState(kind, load, 0.0, Segments(*placed))
 
 
+@kernel
 def merge_overlaps(places: Intervals, period: float) -> Intervals:
     """Return intervals in order, with overlapping ones merged, since the edges of a grid are not exact."""
-    order, turns = in_order(places[0], period)
-    middle, half_width = (places[0] - turns)[order], places[1, order]
-    left, right = middle - half_width, middle + half_width
-    if (left[1:] > right[:-1]).all() and left[0] + period > right[-1]:
-        return np.stack([middle, half_width])
-    merged = [(left[0], right[0])]
-    for start, end in zip(left[1:], right[1:], strict=True):
-        if start > merged[-1][1]:
-            merged.append((start, end))
+    found, last = np.empty(places.shape), 0
+    middle, half_width = found
+    for j in range(middle.size):  # Few are out of order.
+        x, i = places[0, j] - period * np.floor(places[0, j] / period), j
+        while i > 0 and middle[i - 1] > x:
+            middle[i], half_width[i] = middle[i - 1], half_width[i - 1]
+            i -= 1
+        middle[i], half_width[i] = x, places[1, j]
+    for j in range(1, middle.size):
+        start, end = middle[last] - half_width[last], middle[last] + half_width[last]
+        if middle[j] - half_width[j] > end:
+            last += 1
+            middle[last], half_width[last] = middle[j], half_width[j]
         else:
-            merged[-1] = (merged[-1][0], max(end, merged[-1][1]))
-    if len(merged) > 1 and merged[0][0] + period <= merged[-1][1]:
-        _, end = merged.pop(0)
-        merged[-1] = (merged[-1][0], max(end + period, merged[-1][1]))
-    left, right = np.transpose(merged)
-    return np.stack([0.5 * (left + right), 0.5 * (right - left)])
+            end = max(end, middle[j] + half_width[j])
+            middle[last], half_width[last] = 0.5 * (start + end), 0.5 * (end - start)
+    start, end, beyond = middle[last] - half_width[last], middle[last] + half_width[last], period + middle[0]
+    around = 1 if last > 0 and beyond - half_width[0] <= end else 0
+    if around == 1:
+        end = max(end, beyond + half_width[0])
+        middle[last], half_width[last] = 0.5 * (start + end), 0.5 * (end - start)
+    return found[:, around : last + 1]
 
 
 def contacts_guess(surface: Surface, load: float, contacts: Intervals) -> ContactState:
@@ -249,13 +255,15 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
                 crest, origin, y = from_crests(series, places[0])
     if not _are_apart(origin, y, half_width, period):
         return None
-    return ContactState(kind, load, 0.0, make_segments(crest, origin, y, half_width, np.zeros_like(crest)))
+    route = Route("tensions" if kind.is_slope else "crests")
+    return ContactState(kind, load, 0.0, Segments(crest, origin, y, half_width), route=route)
 
 
+@kernel
 def _are_apart(origin: Array, y: Array, half_width: Array, period: float) -> bool:
     """Return whether segments act on each other as line forces; the relative error is (half-width/distance)^2."""
     nearest = distances_between(origin, y, np.zeros(y.size), period).min()
-    return bool(half_width.max() < np.sqrt(GUESS_TOLERANCE) * nearest)
+    return half_width.max() < np.sqrt(GUESS_TOLERANCE) * nearest
 
 
 @kernel

@@ -189,21 +189,19 @@ def evaluate_on(
 
 def nearest_crests(series: CosineSeries, x: Array) -> tuple[Indices, Array]:
     """Return the crests nearest to positions x on the periodic line, and the distances y from them."""
-    nearest, y = _nearest_crests(series.crest_position, series.period, x)
-    return nearest, y
+    return _nearest_crests(series.crest_position, series.period, x)
 
 
 @kernel
 def first_from(x: Array, value: float) -> int:
     """Return the first index from which ascending x is not below a value: np.searchsorted, cheaper to compile."""
-    low, high = 0, x.size
-    while low < high:
-        middle = (low + high) // 2
-        if x[middle] < value:
-            low = middle + 1
-        else:
-            high = middle
-    return low
+    first, count = 0, x.size
+    while count > 0:  # without branches, which processors would mispredict
+        half = count // 2
+        is_below = x[first + half] < value
+        first += (half + 1) * is_below
+        count = half - (1 - count % 2) * is_below
+    return first
 
 
 @kernel
