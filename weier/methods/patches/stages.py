@@ -57,7 +57,7 @@ MAX_STEPS = 60  # Newton steps per load; 2.6 on average, at most 9 for 4 000 har
 MIN_TOLERANCE = 10 * FIELD_ROUNDING  # smallest relative tolerance of the residual
 # largest relative tolerance of the residual: 1e-4 saves no more time, and a loose one may insert a gap whose edges it
 # cannot determine, which then vanishes again
-MAX_TOLERANCE = 1e-6
+MAX_TOLERANCE = 1e-5
 # For the nodes of contacts that are followed, which have no stage 3: the least pressure of merged contacts needs more
 # nodes than the compliance. With 1e-10, loads of events of traces were up to 1e-7 off, with 1e-16 up to 2e-10.
 FOLLOWED_TOLERANCE = 1e-18
