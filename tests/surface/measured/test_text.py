@@ -392,12 +392,6 @@ def test_known_words_are_missing_heights(file, word, rows):
         Trace.read(file(columns(z=heights)))
 
 
-def test_a_row_that_is_left_out_of_two_columns_is_refused(file):
-    lines = columns().splitlines()
-    with pytest.raises(ValueError, match=r"equal steps, got 0\.305 at height 61 in line 62: .* numpy.interp"):
-        Trace.read(file("\n".join(lines[:61] + lines[62:])), max_gap=5)
-
-
 @pytest.mark.parametrize(
     ("heading", "units"),
     [
@@ -449,15 +443,6 @@ def test_a_unit_for_both_must_agree_with_the_heading(file):
     for heading, unit in (("x (mm),z (um)", "um"), ("x (mm),z (um)", "mm"), ("x (um),z (nm)", "mm")):
         with pytest.raises(ValueError, match=rf"must have one unit, got unit='{unit}' and '(mm|um|nm)' by itself"):
             Trace.read(file(columns(heading=f"{heading}\n")), unit=unit)
-
-
-def test_arguments_have_precedence_over_the_heading(file):
-    wrong = file(columns(heading="x (um),z (nm)\n"))
-    assert_right(Trace.read(wrong, **UNITS))
-    assert_right(Trace.read(file(columns(heading="x (um),z (um)\n")), x_unit="mm"))
-    assert_right(Trace.read(file(columns(heading="x (mm),z (nm)\n")), height_unit="um"))
-    with pytest.raises(ValueError, match="heights must have one unit, got unit='um' and height_unit='mm'"):
-        Trace.read(wrong, unit="um", height_unit="mm")
 
 
 def test_a_call_has_one_unit_of_length(file):

@@ -172,23 +172,6 @@ def test_an_array_that_names_its_unit_needs_no_other():
         Trace(heights.assign_attrs(units="V"), LENGTH)
 
 
-class Masked:
-    """The interface of masked arrays of astropy, which are no masked arrays of NumPy."""
-
-    def __init__(self, unmasked, mask):
-        self.unmasked, self.mask = unmasked, mask
-
-
-def test_masked_heights_of_astropy_are_missing():
-    z = rough(64)
-    masked = Masked(1e6 * z, np.arange(64) == 7)
-    with pytest.raises(ValueError, match="1 of 64 heights are missing, the first is height 8"):
-        Trace(masked, LENGTH, height_unit="um")
-    filled = Trace(masked, LENGTH, height_unit="um", max_gap=5)
-    z[7] = (z[6] + z[8]) / 2
-    assert filled.g_0 == pytest.approx(Trace(z, LENGTH, unit="m").g_0, rel=1e-12)
-
-
 def test_the_form_of_a_body_is_removed_if_that_is_asked_for_and_else_mentioned():
     """A parabola of a hundred times the roughness; the trace has as many heights as the fit has digits."""
     z, x = rough(400), np.linspace(-1, 1, 400)
