@@ -91,18 +91,13 @@ def countable(waves: int) -> bool:
 
 
 def sample(amplitude: Array, waves_per_period: Sequence[int], phase: Array, points: int) -> Array:
-    """Return the series at equal steps over one period, shape (points,).
+    """Return the series at equal steps over one period, shape (points,), by an FFT.
 
-    The argument of each cosine is reduced in integers, so that no digit is lost to fine waves.
+    Waves are reduced in integers to those of the same values at the points, so that no digit is lost to fine waves.
     """
-    if len(amplitude) > 32:  # an FFT is faster for more terms
-        coefficient = np.zeros(points, complex)
-        np.add.at(coefficient, [k % points for k in waves_per_period], amplitude * np.exp(1j * phase))
-        return np.asarray(np.fft.ifft(coefficient).real * points)
-    j, total = np.arange(points), np.zeros(points)
-    for a, k, phi in zip(amplitude, waves_per_period, phase, strict=True):
-        total += a * np.cos(phase_angle(k, j, points) + phi)
-    return total
+    coefficient = np.zeros(points, complex)
+    np.add.at(coefficient, [k % points for k in waves_per_period], amplitude * np.exp(1j * phase))
+    return np.asarray(np.fft.ifft(coefficient).real * points)
 
 
 class Crests(NamedTuple):
