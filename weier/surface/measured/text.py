@@ -239,7 +239,7 @@ class _Table:
         known = np.flatnonzero(~np.isnan(values)).tolist()
         usual = {decimals[row] for row in known[END_ROWS:-1]}
         for row in (known[:END_ROWS] if self.skip is None else []) + (known[-1:] if self.rows is None else []):
-            is_count = abs(values[row] - values.size) <= END_ROWS < values.size / 2
+            is_count = abs(values[row] - values.size) <= END_ROWS
             if is_count or (len(usual) == 1 and decimals[row] not in usual):
                 problem = f"may be a count, a step or a length at an end of {len(known)} numbers"
                 remedy = f"say skip={self.block[0]}, rows={values.size} if it is a height, or others to leave it out"
