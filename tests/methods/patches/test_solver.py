@@ -165,17 +165,8 @@ def test_a_bound_beyond_the_tolerance_is_no_answer_and_the_least_one_is():
     assert patches.curve(profile, [0.76], tolerance=least).compliance_error[0] <= least < 1e-11
 
 
-# A resolved curve, gaps (1.5), contacts beside a merger, a thousand waves, and twin crests.
-EASY = [
-    (THREE_WAVES, np.geomspace(1e-6, 1.5, 12)),
-    (Profile(1.25, 5, 4, 1.0), np.geomspace(0.5, 4.0, 4)),
-    (Profile(1.02, 3, 3, (np.pi, np.pi, np.pi)), [0.19886456502870647]),
-    (Profile(1.7, 300, 2, (1.0, 2.0)), [0.3, 3.0]),
-    (Profile(1.7249, "3/2", 5, (0, 0, 9.4e-5, 0, np.pi)), [0.0057876]),
-]
-
-
-def assert_any_tolerance_is_kept(profile, loads):
+@hard_series("found_at_any_tolerance")
+def test_any_tolerance_is_kept(profile, loads):
     """The error of the compliance is a bound, and the resistance is within its estimate."""
     exact = patches.curve(profile, loads, 1e-11)
     assert np.all(exact.residual < 1e-10 * exact.indentation)
@@ -186,19 +177,6 @@ def assert_any_tolerance_is_kept(profile, loads):
         assert np.all(np.abs(found.resistance - exact.resistance) <= found.resistance_error + exact.resistance_error)
         if tolerance == 1e-10:  # with looser ones, a gap or a contact may be left out that opens or overlaps by less
             np.testing.assert_array_equal(found.patch_count, exact.patch_count)
-
-
-@pytest.mark.parametrize(("profile", "loads"), EASY)
-def test_any_tolerance_is_kept(profile, loads):
-    assert_any_tolerance_is_kept(profile, loads)
-    loose, tight = (patches.curve(profile, loads, tolerance) for tolerance in (1e-8, 1e-10))
-    np.testing.assert_allclose(loose.resistance, tight.resistance, rtol=1e-6)
-    np.testing.assert_array_equal(loose.patch_count, tight.patch_count)
-
-
-@hard_series("found_at_any_tolerance")
-def test_contacts_are_found_at_any_tolerance(profile, loads):
-    assert_any_tolerance_is_kept(profile, loads)
 
 
 def test_a_gap_too_narrow_to_be_solved_for_goes_on_as_wider_ones_do():
