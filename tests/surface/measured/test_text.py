@@ -75,6 +75,7 @@ ORDINARY = {
         {"decimal": "."},
     ),
     "quotes around heights": (columns(z=lambda z: f'"{z:.6f}"'), {}),
+    "quotes around lines": ("".join(f'"{line}"\n' for line in columns().splitlines()), {}),
     "semicolons at the ends": (columns(";", "x (mm);z (um);\n", end=";"), {}),
     "semicolons at the ends of one column": (column(end=";"), {"length": 1e-3}),
     "exponents of Fortran": (columns(z=lambda z: f"{z:.6E}".replace("E", "D")), {}),
@@ -112,7 +113,6 @@ RARE = {
     "decimal commas in quotes": "".join(
         f'"{x:.4f}","{z:.6f}"\n'.replace(".", ",") for x, z in zip(X, Z, strict=True)
     ),
-    "quotes around lines": "".join(f'"{line}"\n' for line in columns().splitlines()),
     "quotes without an end": columns().replace("0.5000,", '0.5000,"'),
     "positions with two digits": columns(x=[f"{x:.2g}" for x in X]),
     "blanks in words": columns(" ", z=["No Data" if n == 60 else written(z) for n, z in enumerate(Z)]),
