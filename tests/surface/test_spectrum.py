@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from benchmarks.artefacts import within_errors
 from weier.surface import spectrum
 from weier.surface.bends import LONG, MIN_BEND_GAIN, SHORT, Spectrum, likeliest_bend
 from weier.surface.measured.trace import Trace
@@ -160,6 +161,34 @@ def test_a_given_band_with_a_roll_off_is_refused_and_the_right_one_is_named():
     assert abs(right.D - fit(trace).D) < right.D_error / 2
 
 
+def with_noise(z, random):
+    return z + 0.05 * z.std() * random.normal(size=z.size)
+
+
+def smoothed(z, random):
+    """By a Gaussian filter of 12 steps, as a stylus does."""
+    return np.convolve(np.pad(z, 20, "reflect"), np.exp(-np.pi * (np.arange(-20, 21) / 6) ** 2), "same")[20:-20]
+
+
+def with_feed_marks(z, random):
+    x = np.arange(z.size) / z.size
+    return z + 0.5 * z.std() * (np.cos(2 * np.pi * 37.3 * x) + 0.4 * np.cos(2 * np.pi * 74.6 * x + 1))
+
+
+@pytest.mark.parametrize("spoilt", [with_noise, smoothed, with_feed_marks])
+def test_spectra_that_are_no_power_law_have_wider_or_no_fits(spoilt, quick):
+    random, off, stated = np.random.default_rng(13), [], []
+    for _ in range(40):
+        z = spoilt(random_line(1.4, 2000, random, 8)[0], random)
+        try:
+            found = fit(Trace(1e-8 * z, 4e-3, shortest=1.2e-5, unit="m"))
+        except ValueError:
+            continue
+        off.append(found.D - 1.4)
+        stated.append(found.D_error)
+    assert coverage(off, stated)[1] > 0.85
+
+
 def test_the_bias_of_D_is_half_its_curvature_in_each_power():
     k = np.arange(1, 9)
 
@@ -306,6 +335,15 @@ def test_the_fits_of_an_ensemble_are_those_of_its_traces():
         fit(traces[2:], shortest=1e-9)
     with pytest.raises(ValueError, match=r"trace must be a weier\.Trace, or a list of some, got \[\]"):
         fit([])
+
+
+@pytest.mark.slow
+def test_the_default_band_states_its_errors_and_a_narrow_one_too_large_ones():
+    with_D, one, two = within_errors(60, 4, 32)
+    assert with_D > 0.95
+    assert 0.64 < one < 0.84  # 0.74 with a standard deviation of 0.035
+    assert two > 0.94
+    assert within_errors(30, 4, 4)[0] < 0.85
 
 
 def test_columns_of_fits_have_reasons_and_catch_warnings():
