@@ -120,6 +120,11 @@ def test_surfaces_that_differ_in_the_first_phase_alone_are_lines_of_their_own(sw
     sketch(two, colour="gamma")
 
 
+def test_a_curve_whose_colour_is_its_method_is_named_once(sweep: xr.Dataset) -> None:
+    figure = sketch(sweep.isel(case=[0]), colour="method")
+    assert [line.get_label() for line in figure.axes[0].get_lines()] == ["Demelio", "boundary elements"]
+
+
 def test_medians_by_arrays_are_those_of_single_curves(sweep: xr.Dataset) -> None:
     """The lines of all cases, one by one, and their percentiles at common loads."""
     (axes,) = sketch(sweep.isel(solution_method=[1]), colour="gamma", median_over=("seed",)).axes

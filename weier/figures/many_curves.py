@@ -226,7 +226,8 @@ def _draw(axes: Axes, members: Sequence[PlottedCurve], drawn: Sequence[PlottedCu
         look = _look(curve, drawn, grouping)
         if curve.method in numerical_names():
             look["zorder"] = 1.9  # draws it below the thinner or dashed estimates
-        name = _join(_label(drawn, part, curve.first[part]) for part in (grouping.colour, "method") if part)
+        parts = dict.fromkeys(filter(None, (grouping.colour, "method")))
+        name = _join(_label(drawn, part, curve.first[part]) for part in parts)
         line(axes, name, curve.loads, curve.values, **look | {"label": name})
         if curve.band is not None:
             band(axes, f"{name}, {BAND_NAME}", curve.loads, *curve.band, color=look["color"], **BAND_STYLE)
