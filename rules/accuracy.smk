@@ -1,16 +1,11 @@
-# Measurements of the methods, each with a page. The trade takes all cores, since other jobs would disturb the measured
-# times.
-rule tradeoff:
-    input:
-        configured("config/accuracy/tradeoff.yaml"),
+# Measurements of the methods, each with a page.
+rule extremes:
     output:
-        multiext("results/tradeoff/tradeoff", ".pdf", ".svg", ".png", ".csv"),
-        page="results/tradeoff/tradeoff.md",
+        page="results/extremes/extremes.md",
     log:
-        "results/logs/tradeoff/measure.log",
+        "results/logs/extremes/measure.log",
     conda:
         "environment.yaml"
-    threads: settings.cores or 1
     params:
         run=command,
         code=digest_of_modules("accuracy", "figures"),
@@ -21,21 +16,22 @@ rule tradeoff:
         "{params.run} weier.accuracy {params.study} {params.scene} > {output.page:q} 2> >(tee -i {log:q} >&2)"
 
 
-use rule tradeoff as extremes with:
-    input:
-        [],
-    output:
-        page="results/extremes/extremes.md",
-    log:
-        "results/logs/extremes/measure.log",
-    threads: 1
-
-
-use rule tradeoff as convergence with:
+use rule extremes as convergence with:
     input:
         configured("config/accuracy/infinite.yaml"),
     output:
         page="results/convergence/convergence.md",
     log:
         "results/logs/convergence/measure.log",
-    threads: 1
+
+
+# This takes all cores, since other jobs would disturb the measured times.
+use rule extremes as tradeoff with:
+    input:
+        configured("config/accuracy/tradeoff.yaml"),
+    output:
+        multiext("results/tradeoff/tradeoff", ".pdf", ".svg", ".png", ".csv"),
+        page="results/tradeoff/tradeoff.md",
+    log:
+        "results/logs/tradeoff/measure.log",
+    threads: settings.cores or 1
