@@ -106,7 +106,7 @@ def test_the_residual_beside_an_edge_has_the_strength_of_the_density(wave, dual)
     kind, segments = state.kind, state.segments
     s = 1e-4 * min(wave.half_width, 0.5 * wave.period - wave.half_width)
     value = complementary_residuals(state, series, *nearest_crests(series, segments.right + s))
-    k_1 = abs(edge_strengths(segments.first_node, segments.half_width, state.coefficient, 1)[0, 1])
+    k_1 = abs(edge_strengths(segments.first_node, segments.half_width, state.coefficient, 1.0)[0, 1])
     expected = kind.residual_strength * k_1 * s**kind.residual_power
     assert value[0] == pytest.approx(expected, rel=1e-3, abs=0)
 

@@ -177,7 +177,8 @@ def _begin(is_tangent: bool, coarse: Array, grid: Grid, state: GridState) -> Non
         refine(coarse, state.pressure)
         for wave in range(grid.cycle.size):
             add_wave(wave, grid, state.pressure, state.vector)
-        state.contact[:] = state.pressure > 0
+        for i in range(state.contact.size):
+            state.contact[i] = state.pressure[i] > 0
         own.edges = find_edges(state.contact, state.edge).size
     own.corrections = 0
     _apply_afresh(grid, state)

@@ -122,8 +122,10 @@ def _roughness(samples: Array) -> float:
     The compiler vectorises the recurrence of the polynomials at all samples.
     """
     count, total = samples.size, 0.0
-    t = np.cos((np.arange(count) + 0.5) * np.pi / count)
-    before, value = np.ones(count), t.copy()
+    t, before, value = np.empty((3, count))
+    for i in range(count):
+        t[i] = value[i] = np.cos((i + 0.5) * np.pi / count)
+        before[i] = 1.0
     for n in range(1, count):
         coefficient = 0.0
         for i in range(count):
@@ -353,7 +355,10 @@ def _effect_of_edges(
     (_, _, half_width, first_node), (origin, centre, r) = segments, contacts
     (after, factor, certain, tangent), (position, offset, twin) = strengths, crests
     height_error, rounding, roughness, curvature_error = errors
-    distance, inside = distances_between(origin, centre, r, L), edge_strengths(first_node, half_width, coefficient, 1)
+    distance, inside = (
+        distances_between(origin, centre, r, L),
+        edge_strengths(first_node, half_width, coefficient, 1.0),
+    )
     A, B, release, length = np.empty(2), np.empty(2), 0.0, 0.0
     for j in range(r.size):
         for side in range(2):

@@ -273,7 +273,7 @@ def _brackets(
     margin : margin subtracted from the values
     at_edge : the quotient at the edges over l^power |k_1|
     """
-    length, ends = distances_between(origin, centre, r, period), edge_strengths(first_node, r, coefficient, 1)
+    length, ends = distances_between(origin, centre, r, period), edge_strengths(first_node, r, coefficient, 1.0)
     found, which, count = np.empty((3, x.size)), np.empty(x.size, np.int64), 0
     low, middle, high = found
     factor = _edge_factor(x, interval, origin, centre, r, period, power)

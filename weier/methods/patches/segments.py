@@ -25,10 +25,10 @@ NODE_FACTORS = (4.5, 0.25), (2.2, -0.125), (-8.7, 1.95)
 
 
 @kernel
-def edge_strengths(first_node: Indices, r: Array, coefficient: Array, power: int) -> NDArray[np.float64]:
+def edge_strengths(first_node: Indices, r: Array, coefficient: Array, power: float) -> NDArray[np.float64]:
     """Return k_0 from coefficients in T_k (power 0) or k_1 from those in U_k (power 1), shape (segments, 2).
 
-    T_k(+-1) = (+-1)^k, U_k(+-1) = (+-1)^k (k + 1).
+    T_k(+-1) = (+-1)^k, U_k(+-1) = (+-1)^k (k + 1). numba would compile the kernel for each integer.
     """
     found = np.empty((r.size, 2))
     for j in range(r.size):
@@ -190,7 +190,7 @@ def segment_strengths(state: ContactState) -> Sides:
     In p_0*/lambda_0^(1/2). At the edges of a gap it is the slope over 2 pi, negative at the right edge.
     """
     segments = state.segments
-    strength = edge_strengths(segments.first_node, segments.half_width, state.coefficient, 1)
+    strength = edge_strengths(segments.first_node, segments.half_width, state.coefficient, 1.0)
     return np.asarray(state.kind.strength_factor * strength)
 
 

@@ -358,7 +358,9 @@ def _strengths(
 ) -> tuple[Sides, float]:
     """Return the strengths B by forces, and the increase of the resistance when edges move outward."""
     _, shift, derivative, _, _, _, _, _ = numbers
-    strength = edge_strengths(first_node, r, expand_forces(first_node, r, left, force, period, shift, derivative), 0)
+    strength = edge_strengths(
+        first_node, r, expand_forces(first_node, r, left, force, period, shift, derivative), 0.0
+    )
     released = 0.0
     for j in range(r.size):
         for side in range(2):
