@@ -99,10 +99,9 @@ def test_kernels_are_made_of_the_folders_that_name_the_cache():
 
 # Each run of Snakemake waits for the imports of its rules.
 WORKFLOW = """
-from functools import partial
 from weier.figures.scene_checks import load_by_name
 from weier.pipeline.workflow import Plan
-Plan(("minimal",), partial(load_by_name, folder="config/scenes"), 1).all_files(None)
+Plan(("minimal",), load_by_name, "config/scenes", 1).all_files(None)
 """
 
 
