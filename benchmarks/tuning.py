@@ -48,6 +48,7 @@ print(json.dumps(found))
 BEM_CONSTANTS = (
     ("bem.active_set", "FIRST_PATIENCE"),
     ("bem.edges", "REACH"),
+    ("bem.grids", "MIN_POINTS"),
     ("bem.grids", "MIN_POINTS_PER_CARRIED_WAVE"),
     ("bem.grids", "COARSE_ACCURACY"),
 )

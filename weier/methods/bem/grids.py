@@ -17,8 +17,8 @@ from weier.kernels.jit import kernel
 from weier.surface.waves import Waves
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 
-# nodes of the finest wave on a coarse grid; their cost is in `python -m benchmarks tuning`
-MIN_POINTS_PER_CARRIED_WAVE = 8
+# nodes of the coarsest wave on a grid, and of a grid; their cost is in `python -m benchmarks tuning`
+MIN_POINTS_PER_CARRIED_WAVE, MIN_POINTS = 8, 128
 MIN_SCALE_RATIO = 1.2  # ratio of successive wavelengths from which waves are separate scales; closer in traces
 # residual of a coarse grid in g_n/(points per wave)^2: about ten times its error, 3.3 (docs/numerics.md, "One wave on
 # 512 nodes"); its cost is in `python -m benchmarks tuning`
@@ -55,7 +55,8 @@ def nested_grids(profile: Waves, points: int, max_residual: float) -> list[Grid]
     carries all waves, and reaches `max_residual`, in g_0.
     """
     waves, sizes, grids, terms = np.array(profile.waves_per_period), [points], list[Grid](), 0
-    while (coarser := _half(sizes[0])) >= MIN_POINTS_PER_CARRIED_WAVE * waves[0]:
+    fewest = max(MIN_POINTS, MIN_POINTS_PER_CARRIED_WAVE * waves[0])
+    while (coarser := _half(sizes[0])) >= fewest:
         sizes.insert(0, coarser)
     is_scale = np.append(True, waves[1:] >= MIN_SCALE_RATIO * waves[:-1])
     for size in sizes:
