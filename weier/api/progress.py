@@ -27,7 +27,7 @@ class Progress:
     def __init__(self, total: float, whole: str, pause: float, say: Callable[[str], None]) -> None:
         """Count up to `total`, with `pause` seconds between two messages to `say`."""
         self.total, self.whole, self.pause, self.say = total, whole, pause, say
-        self.done, self.start, self.said = 0.0, perf_counter(), perf_counter()
+        self.done, self.start, self.said = 0.0, clock(), perf_counter()
 
     def __call__(self) -> None:
         """Count one load."""
@@ -37,7 +37,7 @@ class Progress:
         """Set the number of finished items."""
         self.done, now = done, perf_counter()
         if 0 < done < self.total and now - self.said > self.pause:
-            self.said, left = now, (now - self.start) * (self.total - done) / done
+            self.said, left = now, (clock() - self.start) * (self.total - done) / done
             self.say(f"{100 * done / self.total:.0f} % of {self.whole}, about {left:.0f} s left")
 
 
