@@ -97,6 +97,7 @@ WRONG_USAGE = [
     ([*SOLVE, "--phases", "1,x"], "Invalid value for '--phases': "),
     (["solve", "--trace", "shaft.csv", "--columns", "0,x"], "Invalid value for '--columns': "),
     ([*SOLVE, "--loads", "1", "--pressures", "1MPa"], "loads are given once, got --pressures and --loads"),
+    (["plot", *PROFILE, "--loads", "1", "x.png"], "a figure takes at least 2 loads, got 1"),
     (["plot", *PROFILE, "x.txt"], "the name must end in one of .pdf, .svg, .png, got x.txt"),
     ([*SOLVE, "--pressures", "1MPa"], "--pressures are in Pa: name the two bodies by --si"),
     ([*SOLVE, "--workers", "two"], "'two' is not a valid integer"),

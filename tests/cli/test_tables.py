@@ -116,17 +116,13 @@ def test_heat_has_its_own_unit_in_tables_and_figures(run, lines, tmp_path):
     assert "thermal resistance" in (tmp_path / "heat.svg").read_text()
 
 
-def test_a_single_load_is_no_figure(run, lines):
-    code, _, err = run("report", "a.csv", "--si", "bodies.yaml", "--pressures", "1MPa", "-o", "a.png")
-    assert (code, "at least 2 loads, got 1" in err) == (2, True)
-
-
 @pytest.mark.parametrize(
     ("options", "why"),
     [
         (["a.csv", "--pressures", "1MPa"], "Missing option '--si'"),
         (["a.csv", *PRESSURES, "-o", "b.csv"], "b.csv exists: name another file, or overwrite it by --force"),
         (["a.csv", "b.csv", *PRESSURES, "-o", "./b.csv", "--force"], "b.csv is one of FILES: name another output"),
+        (["a.csv", "--si", "bodies.yaml", "--pressures", "1MPa", "-o", "a.png"], "at least 2 loads, got 1"),
         (["a.csv", "long.csv", *PRESSURES], "got 1e-05 to 2e-05 m, two steps of each file by default: give 2e-05 m"),
         (["a.csv", "bad.csv", *PRESSURES], "bad.csv: "),
     ],

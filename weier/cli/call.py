@@ -108,12 +108,15 @@ class Call(NamedTuple):
         """Return curves in SI units if there are bodies, with pressures in the unit given."""
         return curves if self.bodies is None else with_pressures_in(self.bodies.in_si(curves), self.unit)
 
+    def check_figure(self) -> None:
+        """Refuse a figure of a single load, before it is solved."""
+        if self.loads.size < 2:
+            raise click.UsageError("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
+
     def draw(self, curves: xr.Dataset, path: Path, quantity: str, grouping: Grouping = BY_DEFAULT) -> None:
         """Draw a quantity of curves in normalised units."""
         from weier.figures import draw  # matplotlib takes half a second, and only some commands need it
 
-        if self.loads.size < 2:
-            raise click.UsageError("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
         figure = Figure(quantity, grouping=grouping, interface=self.bodies)
         draw(figure, [with_pressures_in(curves, self.unit)], path, [path.suffix[1:]])
 

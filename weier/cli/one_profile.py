@@ -85,6 +85,7 @@ def plot(path: Path, force: bool, quantity: str, workers: int, **given: Any) -> 
 
     options.check_free(path, force)
     call = profile_call(PLOTTED_LOADS, PLOTTED, **given)
+    call.check_figure()
     curves, stop = call.solve(workers)
     if stop is not None:
         raise stop

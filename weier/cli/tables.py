@@ -108,6 +108,8 @@ def report(
 
     lines = _lines(files, trace_options)
     call = Call.of(lines, bodies, pressures, tolerance=tolerance)
+    if any(path.suffix not in (".csv", ".nc") for path in outputs):
+        call.check_figure()
     curves, stop = call.solve(workers)
     done = curves["compliance"].notnull().all(("solution_method", "mean_pressure")).values
     solved_lines = list(compress(lines, done))
