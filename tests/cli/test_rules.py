@@ -9,7 +9,7 @@ from weier import scene
 from weier.digests import numerics
 from weier.figures import make as figures
 from weier.pipeline.needed_curves import Curves
-from weier.pipeline.products import DATA, job_of, stale
+from weier.pipeline.products import ALL, DATA, job_of, stale
 from weier.pipeline.store import Store
 
 SCENE = """
@@ -41,11 +41,11 @@ def curves(scene_file):
     return ["curves", "test/all.products", "0-of-1", numerics(), scene_file.parent / "curves", scene_file]
 
 
-def make(scene_file):
-    """The arguments of the job that makes the dataset."""
+def make(scene_file, what=DATA):
+    """The arguments of the job that makes the dataset, or all products."""
     store = scene_file.parent / "curves"
-    stamps = stale(Curves(scene.load(scene_file), Store(store, numerics())), scene_file.parent, DATA)
-    return ["make", scene_file, store, scene_file.parent / ".made_of" / job_of(DATA, stamps)]
+    stamps = stale(Curves(scene.load(scene_file), Store(store, numerics())), scene_file.parent, what)
+    return ["make", scene_file, store, scene_file.parent / ".made_of" / job_of(what, stamps)]
 
 
 def test_a_product_without_curves_or_of_another_plan_is_named(run, scene_file, monkeypatch):
@@ -62,6 +62,21 @@ def test_a_product_without_curves_or_of_another_plan_is_named(run, scene_file, m
     refused(make(scene_file), "contact.nc cannot be made: weier has changed meanwhile")
     monkeypatch.undo()
     assert run(*make(scene_file))[0] == 0
+
+
+@pytest.mark.parametrize("bug", [ValueError("no ink"), KeyError("no ink")])
+def test_one_figure_that_cannot_be_drawn_does_not_keep_others_from_being_made(run, scene_file, monkeypatch, bug):
+    def draw(wanted, studies, path, formats):
+        if path.name == "first":
+            raise bug
+        path.with_suffix(".png").touch()
+
+    scene_file.write_text(SCENE + "figures: {first: &one {draw: compliance, studies: [one]}, second: *one}\n")
+    assert run(*curves(scene_file))[0] == 0
+    monkeypatch.setattr(figures.figures, "draw", draw)
+    code, _, err = run(*(arguments := make(scene_file, ALL)))
+    assert (code, "weier: first cannot be made: " in err, "no ink" in err) == (0, True, True)
+    assert {path.name for path in arguments[-1].iterdir()} == {DATA, "second", "page.html"}
 
 
 def test_adopting_names_how_many_kinds_were_compared(run, scene_file):

@@ -98,9 +98,12 @@ def test_many_cases_that_lack_curves_are_drawn_unless_nothing_tells_them_apart(k
         sketch(kind, [many_cases()])
 
 
+@pytest.mark.parametrize("more", [{}, {"returned": ["mean_gap"]}], ids=["of solutions", "of estimates"])
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("borodich_galanov", "profiles")])
-def test_a_figure_without_curves_is_refused_and_leaves_no_file(kind: str, tmp_path: Path) -> None:
-    empty = blank(2, ["archard", "bem"], np.array([0.1, 1.0]), 2)
+def test_a_figure_without_curves_is_refused_and_leaves_no_file(
+    kind: str, more: dict[str, list[str]], tmp_path: Path
+) -> None:
+    empty = blank(2, ["archard", "bem"], np.array([0.1, 1.0]), 2, **more)
     with pytest.raises(ValueError, match="there are no "):
         figures.draw(scene.Figure(kind), [empty], tmp_path / "figure.pdf")
     assert not list(tmp_path.iterdir())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import signal
+import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -95,9 +96,12 @@ def make(scene_file: Path, store: Path, folder: Path) -> None:
             with job("make", scene_file.stem, name):
                 make_product(curves, name, unfinished / stamp)
             made.append(name)
-        except ValueError as error:
+        except Exception as error:  # a bug in one figure must not cost the others
+            if isinstance(error, OSError):  # a full disk would not let the others be written
+                raise
             shutil.rmtree(unfinished / name, ignore_errors=True)
-            click.echo(f"weier: {name} cannot be made: {error}", err=True)
+            why = error if isinstance(error, ValueError) else traceback.format_exc()
+            click.echo(f"weier: {name} cannot be made: {why}", err=True)
     if not made:
         shutil.rmtree(unfinished, ignore_errors=True)
         raise click.exceptions.Exit(1)

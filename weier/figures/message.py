@@ -59,7 +59,8 @@ def _table(study: xr.Dataset, load: float) -> pd.DataFrame:
     parameters = {name: study[name].values[rows] for name in ("D", "gamma", "m")}
     names = (*QUANTITIES, "resistance_lower", "resistance_upper")
     return pd.DataFrame(
-        {**parameters, "load": load} | {name: study[name].values[rows, best[rows], column] for name in names}
+        {**parameters, "load": load}
+        | {name: study[name].values[rows, best[rows], column] for name in names if name in study}
     )
 
 

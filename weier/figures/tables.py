@@ -66,6 +66,8 @@ class Values:
             pressure = pressure / units.factor("loads", units.unit_of(study["mean_pressure"]), units.PASCAL)
 
         def scaled(name: str, scale: Array) -> Array:
+            if name not in study:  # such as the contact fraction, which estimates do not return
+                return np.full(study[COMPLIANCE].shape, np.nan)
             values: Array = study[name].values
             return values * scale if interface else values  # no copy of a large study
 
