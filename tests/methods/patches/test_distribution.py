@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from weier import Profile
-from weier.methods.patches import solve_load
+from weier.methods.patches import distribution, solve_load
 from weier.methods.patches.distribution import fraction_above
 
 WAVE = Profile(1.5, 2, 1)
@@ -44,3 +44,13 @@ def test_moments_and_samples_of_a_series(load):
         full = solution.state is None
         covered = 1.0 if full else 2 * solution.half_width.sum() / SERIES.period
         assert above[0] == pytest.approx(1 - covered if of_gap else covered, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("of_gap", [False, True])
+def test_values_at_edges_that_are_0_only_the_first_time_hide_no_root(monkeypatch, of_gap):
+    """The rounding of a value depends on the others that are evaluated with it."""
+    solution, real, rounding = solve_load(SERIES, 0.3), distribution.values_at, iter([0.0])
+    monkeypatch.setattr(distribution, "values_at", lambda *given: real(*given) + next(rounding, 1e-15))
+    covered = 2 * solution.half_width.sum() / SERIES.period
+    _, above = fraction_above(solution, of_gap)
+    assert above[0] == pytest.approx(1 - covered if of_gap else covered, abs=1e-6)

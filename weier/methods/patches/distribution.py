@@ -63,5 +63,6 @@ def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None
     root = elementwise.find_root(
         lambda x, j, limit: at(j, x) - limit, ends, args=(cell, limits[index]), maxiter=MAX_STEPS
     ).x
+    root = np.where(np.isnan(root), theta[low], root)  # values at edges are 0 but for rounding, which hides the root
     part = width(cell, root, theta[2 * cell + 1 - low])
     return limits, (whole + np.bincount(index, part, limits.size)) / series.period
