@@ -1,4 +1,4 @@
-"""How the documentation is built: `sphinx-build -W docs results/docs`, after `snakemake` has drawn its figures."""
+"""How the documentation is built: `snakemake --cores 2 docs` draws its figures and builds it."""
 
 import sys
 from pathlib import Path
