@@ -88,3 +88,12 @@ def test_adopting_names_how_many_kinds_were_compared(run, scene_file):
     code, out, _ = run("adopt", scene_file, "--curves", folder)
     assert (code, out.count("the same bits: adopted")) == (0, 2)
     assert out.splitlines()[-1] == f"2 kinds of curves of other code were compared with that of {numerics()}"
+
+
+def test_all_mistakes_of_a_scene_are_named_each_in_a_line(run, scene_file):
+    scene_file.write_text(SCENE.replace("1.25", "2.25").replace("[0.1]", "[0]"))
+    code, out, err = run("adopt", scene_file)
+    head, first, second = err.splitlines()
+    assert (code, out, head) == (1, "", f"weier: {scene_file} has 2 mistakes:")
+    assert first == "  line 3: loads: mean_pressure must be positive, got 0.0 at position 0"
+    assert second == "  line 6: studies.one.product.D: D must lie in (1, 2), got 2.25"
