@@ -54,6 +54,21 @@ def solved(plan, product, scene="test"):
     return plan.solved(of(scene=scene, what=Path(plan.job(scene, product)[0]).stem))
 
 
+def test_products_of_all_scenes_wait_for_the_same_jobs_and_a_named_one_for_its_own(folder):
+    """Scenes may share curves, which would be solved once for each of them."""
+    (folder / "config/scenes/other.yaml").write_text(SCENE)
+    together = plan("test", "other")
+    together.all_files(of())
+    found = [solved(together, product, scene) for scene in ("test", "other") for product in ("one", "contact.nc")]
+    assert found == [found[0]] * 4
+    assert found[0][0].startswith("results/curves/.solved/test/other/all.products/")
+    beside = plan("test")
+    beside.all_files(of())
+    for own in (plan("test", "other"), beside):
+        (job,) = solved(own, "one", "other")
+        assert job.startswith("results/curves/.solved/other/one/")
+
+
 def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_is_short(folder, monkeypatch):
     for seconds, slots, expected in ((1.0, 9, 1), (90.0, 3, 3), (1e4, 99, 6)):
         monkeypatch.setattr(workflow.Part, "seconds", np.array([seconds]))  # of each part
