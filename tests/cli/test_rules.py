@@ -64,16 +64,29 @@ def test_a_product_without_curves_or_of_another_plan_is_named(run, scene_file, m
     assert run(*make(scene_file))[0] == 0
 
 
-@pytest.mark.parametrize("bug", [ValueError("no ink"), KeyError("no ink")])
-def test_one_figure_that_cannot_be_drawn_does_not_keep_others_from_being_made(run, scene_file, monkeypatch, bug):
+def fail_first(run, scene_file, monkeypatch, error):
+    """Solve a scene of two figures, of which the first will raise an error."""
+
     def draw(wanted, studies, path, formats):
         if path.name == "first":
-            raise bug
+            raise error
         path.with_suffix(".png").touch()
 
     scene_file.write_text(SCENE + "figures: {first: &one {draw: compliance, studies: [one]}, second: *one}\n")
     assert run(*curves(scene_file))[0] == 0
     monkeypatch.setattr(figures.figures, "draw", draw)
+
+
+def test_a_missing_package_is_named_with_the_command_that_installs_it(run, scene_file, monkeypatch):
+    fail_first(run, scene_file, monkeypatch, ModuleNotFoundError("No module named 'bokeh'"))
+    code, _, err = run(*make(scene_file, ALL))
+    last = err.splitlines()[-1]
+    assert (code, last.startswith("weier: No module named 'bokeh': pip install 'weier[pipeline]'")) == (1, True)
+
+
+@pytest.mark.parametrize("bug", [ValueError("no ink"), KeyError("no ink")])
+def test_one_figure_that_cannot_be_drawn_does_not_keep_others_from_being_made(run, scene_file, monkeypatch, bug):
+    fail_first(run, scene_file, monkeypatch, bug)
     code, _, err = run(*(arguments := make(scene_file, ALL)))
     assert (code, "weier: first cannot be made: " in err, "no ink" in err) == (0, True, True)
     assert {path.name for path in arguments[-1].iterdir()} == {DATA, "second", "page.html"}

@@ -97,7 +97,7 @@ def make(scene_file: Path, store: Path, folder: Path) -> None:
                 make_product(curves, name, unfinished / stamp)
             made.append(name)
         except Exception as error:  # a bug in one figure must not cost the others
-            if isinstance(error, OSError):  # a full disk would not let the others be written
+            if isinstance(error, OSError | ModuleNotFoundError):  # a full disk or a missing package stops all
                 raise
             shutil.rmtree(unfinished / name, ignore_errors=True)
             why = error if isinstance(error, ValueError) else traceback.format_exc()
