@@ -121,8 +121,7 @@ def is_in(module: str, parts: tuple[str, ...]) -> bool:
 
 
 def _files(parts: tuple[str, ...]) -> list[str]:
-    every = (path for suffix in SOURCES for path in PACKAGE.rglob(f"*{suffix}"))
-    names = sorted(path.relative_to(PACKAGE).as_posix() for path in every)
+    names = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*") if path.suffix in SOURCES)
     return [name for name in names if is_in(name, parts)]
 
 

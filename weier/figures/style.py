@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -107,6 +108,7 @@ def _label_and_style(method: str) -> tuple[str, Style]:
     )
 
 
+@cache
 def family(count: int) -> list[dict[str, Any]]:
     """Return keywords of Axes.plot for a family of curves, from light to dark."""
     colors = shade(np.linspace(0, 1, count) if count > 1 else [1.0])

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import xarray as xr
-from scipy.interpolate import CubicHermiteSpline
 
 from weier import units
 from weier.data import curves
@@ -89,10 +88,28 @@ class Values:
         return fine, smooth(fine)
 
 
-def smooth_compliance(loads: Array, h: Array, slope: Array) -> CubicHermiteSpline | None:
-    """Return compliances as a function of the load, with the resistance as slope; None if either is unknown."""
-    known = loads.size > 1 and np.isfinite(h).all() and np.isfinite(slope).all()
-    return CubicHermiteSpline(loads, h, slope, axis=-1) if known else None
+def smooth_compliance(loads: Array, h: Array, slope: Array) -> Callable[[Array], Array] | None:
+    """Return compliances as a function of the load, with the resistance as slope; None if either is unknown.
+
+    These are the cubic polynomials of scipy.interpolate.CubicHermiteSpline, which takes 0.3 s to import.
+    """
+    if loads.size < 2 or not np.isfinite(h).all() or not np.isfinite(slope).all():
+        return None
+    width = np.diff(loads)
+    chord = np.diff(h) / width
+    bend = (slope[..., :-1] + slope[..., 1:] - 2 * chord) / width
+    terms = h, slope, (chord - slope[..., :-1]) / width - bend, bend / width
+    by_load = [np.ascontiguousarray(own.T) for own in terms]  # is read faster
+
+    def smooth(at: Array) -> Array:
+        piece = np.clip(np.searchsorted(loads, at, "right") - 1, 0, width.size - 1)
+        values, power = np.zeros(at.size), np.ones(at.size)
+        for own in by_load:
+            values = values + own[piece].T * power
+            power = power * (at - loads[piece])
+        return values
+
+    return smooth
 
 
 def refined_loads(loads: Array) -> Array:

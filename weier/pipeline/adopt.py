@@ -68,7 +68,7 @@ def _compared(part: Part, store: Store, other: Store) -> tuple[bool, bool]:
     """Return whether all values of some curves are the same in two stores, and whether they are within errors."""
 
     def both(name: str) -> list[Any]:
-        return [each.read(part.kind, part.keys, name) for each in (store, other)]
+        return [each.read(part.kind, each.rows(part.kind, part.keys), name) for each in (store, other)]
 
     same = {name: _same(*both(name)) for name in VARIABLES if name not in NOT_COMPARED}
     identical = all(same.values())

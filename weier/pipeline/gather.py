@@ -26,12 +26,13 @@ from weier.data.variables import CASE, CURVE, LABEL, LOADS, VARIABLES
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
 from weier.pipeline.needed_curves import Curves, Part
-from weier.pipeline.store import ORIGIN
+from weier.pipeline.store import ORIGIN, Rows
 from weier.scene.cases import Scene
 from weier.scene.identity import short_keys
 from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Values = NDArray[Any]
+Own = tuple[Part, Indices, Rows]  # a part, its rows in a dataset, and those in the store
 
 
 class Solved:
@@ -45,13 +46,14 @@ class Solved:
         loads = {id(part.product): part.product.loads for part, *_ in self._surfaces}
         self.loads = np.unique(np.concatenate([*loads.values()]))
 
-    def _among(self, parts: Iterable[Part]) -> Iterable[tuple[Part, Indices, Indices]]:
-        """Yield each part with its rows in the dataset, and the positions of these cases in the part."""
+    def _among(self, parts: Iterable[Part]) -> Iterable[Own]:
+        """Yield each part with its rows in the dataset, reduced to these cases, and their rows in the store."""
         for part in parts:
             number = self.cases - part.cases[0]  # case numbers of a part are consecutive
             rows = np.flatnonzero((number >= 0) & (number < len(part.positions)))
             if rows.size:
-                yield part, rows, number[rows]
+                own = part.only(number[rows])
+                yield own, rows, self._store.rows(own.kind, own.keys)
 
     @cached_property
     def names(self) -> list[str]:
@@ -71,7 +73,7 @@ class Solved:
     @cached_property
     def origins(self) -> list[str]:
         """The programs and processors that solved these curves, in alphabetical order."""
-        read = (self._store.read(part.kind, part.keys[numbers], ORIGIN) for part, _, numbers in self._parts)
+        read = (self._store.read(part.kind, stored, ORIGIN) for part, _, stored in self._parts)
         return sorted({origin for found in read if found is not None for origin in found.tolist()})
 
     def values(self, name: str) -> Values:
@@ -84,9 +86,9 @@ class Solved:
         # the last method of a case provides its edges
         return self._joined(name, chain(*parts) if "edge" in VARIABLES[name].dims else self._surfaces)
 
-    def _joined(self, name: str, parts: Iterable[tuple[Part, Indices, Indices]]) -> Values:
+    def _joined(self, name: str, parts: Iterable[Own]) -> Values:
         """Combine the values of some parts into an array of all rows, shape (cases, ...)."""
-        found = [(rows, self._read(name, part, numbers)) for part, rows, numbers in parts]
+        found = [(rows, self._read(name, part, stored)) for part, rows, stored in parts]
         solved = [(rows, values) for rows, values in found if values is not None]
         sizes = {LOADS: self.loads.size, "term": 1}
         own = [sizes.get(dim, 0) for dim in VARIABLES[name].dims if dim not in (CASE, "solution_method")]
@@ -97,13 +99,13 @@ class Solved:
             joined[within] = values
         return joined
 
-    def _read(self, name: str, part: Part, numbers: Indices) -> Values | None:
-        """Return a variable of some curves of a part, NaN at loads that it does not have."""
+    def _read(self, name: str, part: Part, stored: Rows) -> Values | None:
+        """Return a variable of the curves of a part, NaN at loads that it does not have."""
         if name == "settings":
-            return np.full(len(numbers), json.dumps(part.kind.settings, sort_keys=True), object)
+            return np.full(len(part.cases), json.dumps(part.kind.settings, sort_keys=True), object)
         if name == "surface_key":
-            return np.array(short_keys(part.keys[numbers]), object)
-        values = self._store.read(part.kind, part.keys[numbers], name)
+            return np.array(short_keys(part.keys), object)
+        values = self._store.read(part.kind, stored, name)
         if values is None:
             return None
         if name == ORIGIN:

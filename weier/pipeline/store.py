@@ -27,6 +27,8 @@ from weier.kernels.arrays import Flags, Indices
 from weier.pipeline.needed_curves import Kind, Part, each_once
 from weier.scene.identity import Keys
 
+Rows = tuple[Indices, Indices]  # the segment of each curve, and its row there
+
 KEY, ORIGIN = "key", "origin"  # one key per row, one origin per segment
 SUFFIX = ".npz"
 DAMAGED = "{} is damaged ({}): move it away and run snakemake again, which solves its curves anew"
@@ -60,27 +62,31 @@ class Store:
         lacking = (part.only(~self.index(part.kind.name).find(part.keys)[0]) for part in each_once(wanted))
         return [part for part in lacking if part.cases.size]
 
-    def read(self, kind: Kind, keys: Keys, name: str) -> NDArray[Any] | None:
-        """Return a variable of each curve, shape (keys, ...), NaN or "" if missing; None if no curve has it.
-
-        ValueError is raised if a curve is not solved, or a segment is damaged.
-        """
+    def rows(self, kind: Kind, keys: Keys) -> Rows:
+        """Return where curves are; ValueError if one is not solved."""
         index = self.index(kind.name)
         known, place = index.find(keys)
         if not known.all():
             raise ValueError(f"{(~known).sum()} curves by {kind.method} are not solved: run snakemake again")
-        segment, row = index.segment[place], index.row[place]
+        return index.segment[place], index.row[place]
+
+    def read(self, kind: Kind, rows: Rows, name: str) -> NDArray[Any] | None:
+        """Return a variable of the curves in `rows`, shape (rows, ...), NaN or "" if missing; None if none has it.
+
+        ValueError is raised if a segment is damaged.
+        """
+        index, (segment, row) = self.index(kind.name), rows
         if name == ORIGIN:
             return np.array(index.origins, object)[segment]
         found: dict[int, NDArray[Any]] = {}
-        for number in np.unique(segment).tolist():
+        for number in np.flatnonzero(np.bincount(segment)).tolist():  # those that have rows
             if name in index.columns[number]:
                 with opened(index.files[number]) as columns:
                     found[number] = columns[name]
         if not found:
             return None
         shape = np.max([values.shape[1:] for values in found.values()], axis=0).astype(int)
-        joined = _blank((len(keys), *shape), np.result_type(*{values.dtype for values in found.values()}))
+        joined = _blank((len(row), *shape), np.result_type(*{values.dtype for values in found.values()}))
         for number, values in found.items():
             here = segment == number
             within = tuple(map(slice, values.shape[1:]))

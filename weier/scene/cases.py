@@ -106,7 +106,7 @@ class Scene:
         )
         return self._distinct[1][start : start + len(study)]
 
-    @property
+    @cached_property
     def studies_of_cases(self) -> list[str]:
         """The studies that each case belongs to, with commas between, in order of appearance."""
         found = np.full(self.count, "", object)
