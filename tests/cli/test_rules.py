@@ -2,6 +2,7 @@
 
 import re
 import signal
+from functools import partial
 
 import pytest
 
@@ -9,7 +10,7 @@ from weier import scene
 from weier.digests import numerics
 from weier.figures import make as figures
 from weier.pipeline.needed_curves import Curves
-from weier.pipeline.products import ALL, DATA, job_of, stale
+from weier.pipeline.products import ALL, DATA, job_of, stale, stamp_of
 from weier.pipeline.store import Store
 
 SCENE = """
@@ -43,8 +44,8 @@ def curves(scene_file):
 
 def make(scene_file, what=DATA):
     """The arguments of the job that makes the dataset, or all products."""
-    store = scene_file.parent / "curves"
-    stamps = stale(Curves(scene.load(scene_file), Store(store, numerics())), scene_file.parent, what)
+    store, own = scene_file.parent / "curves", scene.load(scene_file)
+    stamps = stale(own, what, partial(stamp_of, Curves(own, Store(store, numerics())), scene_file.parent))
     return ["make", scene_file, store, scene_file.parent / ".made_of" / job_of(what, stamps)]
 
 

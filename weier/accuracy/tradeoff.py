@@ -17,7 +17,7 @@ from weier.accuracy.measurement import measurement, number
 from weier.accuracy.reference import contact_reference, deviation
 from weier.accuracy.runner import MAX_POINTS, Variant, run
 from weier.data.markdown import plain, table
-from weier.figures import METADATA, VALUES, save, style
+from weier.figures import VALUES, WRITTEN, save, style
 from weier.figures.values import line
 from weier.kernels.arrays import Array
 from weier.methods import bem, registry
@@ -163,5 +163,5 @@ def main(scene: Path, figure: Path) -> list[str]:
     loaded = load(scene)
     found = measure([case.profile for case in loaded.distinct], loaded.loads)
     with matplotlib.style.context(style.SHEET, after_reset=True):
-        save(draw(found), figure, (*METADATA, VALUES))
+        save(draw(found), figure, (*WRITTEN, VALUES))
     return [table_of(found)]

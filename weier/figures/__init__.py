@@ -7,6 +7,7 @@ the module of a kind returns the figure. This folder may import all others excep
 from __future__ import annotations
 
 import re
+import zlib
 from collections.abc import Collection, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -20,8 +21,13 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib import figure
 
-# Files carry no dates, so that the same data give the same bytes.
-METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
+# Files carry no dates, so that the same data give the same bytes. This strategy of
+# compression takes two thirds of the time, and makes PNG files 5 to 15 % larger.
+WRITTEN: dict[str, dict[str, Any]] = {
+    "png": {"pil_kwargs": {"compress_type": zlib.Z_RLE}},
+    "pdf": {"metadata": {"CreationDate": None}},
+    "svg": {"metadata": {"Date": None}},
+}
 VALUES = "csv"  # suffix of the values of a figure
 
 # Variables that no figure shows, and further ones that figures of grouped curves do not show: of a hundred thousand
@@ -117,7 +123,7 @@ def undrawn(kind: str) -> tuple[str, ...]:
 
 
 def draw(
-    wanted: Figure, studies: Sequence[xr.Dataset], path: str | Path, formats: Collection[str] = tuple(METADATA)
+    wanted: Figure, studies: Sequence[xr.Dataset], path: str | Path, formats: Collection[str] = tuple(WRITTEN)
 ) -> None:
     """Draw one figure in several formats, which replace the suffix of the path; csv has its values.
 
@@ -150,7 +156,7 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
     return drawn
 
 
-def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:
+def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(WRITTEN)) -> None:
     """Save a figure in the current style, in several formats; csv has its values."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -165,7 +171,7 @@ def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tupl
             if suffix == VALUES:
                 file.write_text(as_csv(drawn), encoding="utf-8")
                 continue
-            drawn.savefig(file, format=suffix, metadata=METADATA[suffix])
+            drawn.savefig(file, format=suffix, **WRITTEN[suffix])
 
 
 class Caption(NamedTuple):

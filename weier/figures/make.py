@@ -28,6 +28,6 @@ def make_product(curves: Curves, name: str, folder: Path) -> None:
         figure = curves.scene.figure(name)
         unread = figures.undrawn(figure.draw)
         studies = [read_study(curves, study, unread) for study in figure.all_studies]
-        figures.draw(figure, studies, folder / name, (*figures.METADATA, figures.VALUES))
+        figures.draw(figure, studies, folder / name, (*figures.WRITTEN, figures.VALUES))
     if not folder.name.startswith(made_of(curves, name)):
         raise ValueError("weier has changed meanwhile: run snakemake again")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import filecmp
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 from weier.data.provenance import source_date
@@ -75,11 +76,12 @@ def _same(file: Path, other: Path) -> bool:
     return file.is_file() and other.is_file() and filecmp.cmp(file, other, shallow=False)
 
 
-def stale(curves: Curves, folder: Path, what: str) -> list[str]:
-    """Return the stamps PRODUCT/DIGEST that are missing of a product, or of ALL."""
-    named = names_of(curves.scene) if what == ALL else [what]
-    stamps = [stamp_of(curves, folder, product) for product in named]
-    return [stamp for stamp, fresh in stamps if not fresh]
+def stale(scene: Scene, what: str, stamp: Callable[[str], tuple[str, bool]]) -> list[str]:
+    """Return the stamps PRODUCT/DIGEST that are missing of a product, or of ALL.
+
+    `stamp` returns what `stamp_of` returns for a product.
+    """
+    return [name for name, fresh in map(stamp, names_of(scene) if what == ALL else [what]) if not fresh]
 
 
 def job_of(what: str, stamps: list[str]) -> str:

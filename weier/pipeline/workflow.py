@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -63,7 +63,7 @@ class Plan:
         self.curves = once(lambda name: Curves(self.scene(name), store))
         self.missing = once(lambda what: missing(what, self.curves))
         self.stamp = once(lambda name, product: products.stamp_of(self.curves(name), RESULTS / name, product))
-        self.stale = once(lambda name, what: products.stale(self.curves(name), RESULTS / name, what))
+        self.stale = once(lambda name, what: products.stale(self.scene(name), what, partial(self.stamp, name)))
 
     # --- products ---
 
