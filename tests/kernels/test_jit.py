@@ -9,7 +9,7 @@ import pytest
 
 from tests.marks import compiled
 from weier.digests import KERNELS, PACKAGE
-from weier.kernels.jit import kernel
+from weier.kernels.jit import COMPILING_SECONDS, kernel
 from weier.methods.bem.active_set import dot
 
 PROGRAM = """
@@ -70,6 +70,31 @@ def test_compiling_is_no_part_of_the_seconds_of_a_solution(package):
     )
     first, second = map(float, run(package, program)[0].split()[1:])
     assert first == second > 0.01
+
+
+@kernel
+def doubled(x):
+    return 2 * x
+
+
+@kernel
+def quadrupled(x):
+    return doubled(doubled(x))
+
+
+@compiled
+def test_compiling_for_the_types_of_a_later_call_counts_as_well():
+    seconds = []
+    for number in (1, 2, 1.0, 2.0):
+        assert doubled(number) == 2 * number
+        seconds.append(COMPILING_SECONDS.get())
+    assert 0 < seconds[0] == seconds[1] < seconds[2] == seconds[3]
+
+
+@compiled
+def test_a_kernel_that_python_has_called_is_compiled_once():
+    assert (doubled(1.0), quadrupled(1.0)) == (2.0, 4.0)
+    assert doubled.within.signatures == []
 
 
 @kernel

@@ -45,7 +45,7 @@ def _numba() -> tuple[Any, bool]:
     import rocket_fft  # noqa: F401 - registers numpy's Fourier transforms
     from numba.extending import typeof_impl
 
-    typeof_impl.register(Kernel)(lambda kernel, _: numba.typeof(kernel.within))
+    typeof_impl.register(Kernel)(lambda kernel, _: numba.typeof(vars(kernel).get("compiled") or kernel.within))
     try:
         cache_folder().mkdir(parents=True, exist_ok=True)
         if not os.access(cache_folder(), os.W_OK):
@@ -64,13 +64,13 @@ def _announce(method: str) -> None:
 class Kernel:
     """A function that numba compiles when Python first calls it, with all kernels that it calls."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], **options: Any) -> None:
         functools.update_wrapper(self, function)
-        self.function, self.options, self.run = function, OPTIONS, self._run_first
+        self.function, self.options = function, OPTIONS | options
 
     @functools.cached_property
     def within(self) -> Any:
-        """The function for other kernels, without a wrapper for Python."""
+        """The function for other kernels, without a wrapper for Python; for those compiled after `compiled`, that."""
         return _numba()[0].njit(**self.options, no_cpython_wrapper=True)(self.function)
 
     @functools.cached_property
@@ -79,31 +79,32 @@ class Kernel:
         numba, keeps = _numba()
         before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(cache_folder()) if keeps else ""
         try:
-            return numba.njit(**self.options, cache=keeps)(self.function)
+            made = numba.njit(**self.options, cache=keeps)(self.function)
         finally:
             numba.config.CACHE_DIR = before
+        if made is not self.function:
+            made.compile = functools.partial(self._compile, made.compile)  # numba calls it for each set of new types
+        return made
+
+    def _compile(self, compile_for: Callable[[Any], Any], types: Any) -> Any:
+        """Load what is kept for arguments of these types, or compile it, which takes many seconds, and say so."""
+        before, start = COMPILING_SECONDS.get(), perf_counter()
+        source = Path(self.function.__code__.co_filename).parent.name  # numba names its own folder by this
+        if not (_numba()[1] and any(cache_folder().glob(f"{source}_*/*.nbi"))):
+            _announce(source)
+        entry = compile_for(types)
+        COMPILING_SECONDS.set(before + perf_counter() - start)  # These hold the seconds of kernels within this one.
+        return entry
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the compiled function."""
         try:
-            return self.run(*arguments)
+            return self.compiled(*arguments)
         except SystemError as error:  # numba runs Python for each array that it returns, where Ctrl-C may come
             cause: Any = error
             while cause.__cause__:
                 cause = cause.__cause__
             raise cause from None
-
-    def _run_first(self, *arguments: Any) -> Any:
-        """Load what is kept for arguments of these types, or compile it, which takes many seconds, and say so."""
-        if self.compiled is not self.function:
-            start = perf_counter()
-            source = Path(self.function.__code__.co_filename).parent.name  # numba names its own folder by this
-            if not (_numba()[1] and any(cache_folder().glob(f"{source}_*/*.nbi"))):
-                _announce(source)
-            self.compiled.compile(tuple(map(_numba()[0].typeof, arguments)))
-            COMPILING_SECONDS.set(COMPILING_SECONDS.get() + perf_counter() - start)
-        self.run = self.compiled
-        return self.run(*arguments)
 
 
 def kernel(function: Function) -> Function:
@@ -112,16 +113,10 @@ def kernel(function: Function) -> Function:
 
 
 def fused(function: Function) -> Function:
-    """Let the compiler round a product and the sum that it enters once, as processors do at no cost."""
-    return _with_fastmath(function, "contract")
+    """Compile a kernel whose products are rounded once with the sums that they enter, as processors do at no cost."""
+    return cast(Function, Kernel(function, fastmath={"contract"}))
 
 
 def in_any_order(function: Function) -> Function:
-    """Let the compiler add the terms of sums in a kernel in any order, and so several at once."""
-    return _with_fastmath(function, "reassoc")
-
-
-def _with_fastmath(function: Function, flag: str) -> Function:
-    kernel = cast(Any, function)
-    kernel.options = kernel.options | {"fastmath": kernel.options.get("fastmath", set()) | {flag}}
-    return function
+    """Compile a kernel whose sums the compiler may add in any order, and so several terms at once."""
+    return cast(Function, Kernel(function, fastmath={"reassoc"}))

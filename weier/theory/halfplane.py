@@ -73,7 +73,6 @@ def punch_displacement(half_width: Number, period: float) -> Number:
 
 
 @fused
-@kernel
 def replace_by_influence(d: Array, period: float, dipoles: bool) -> None:
     """Replace distances d by ln|2 sin(pi d/L)| or, for dipoles, by 1/sin^2(pi d/L); by 0 where d = 0."""
     for i in range(d.size):
@@ -92,7 +91,6 @@ def replace_by_influence(d: Array, period: float, dipoles: bool) -> None:
 
 
 @fused
-@kernel
 def take_logarithms(x: Array) -> None:
     """Replace x >= 0 by ln x, and 0 by 0.
 

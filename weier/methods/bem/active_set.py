@@ -71,7 +71,6 @@ def _multiply(values: Array, eigenvalue: Array, state: GridState) -> None:
 
 
 @in_any_order
-@kernel
 def mean_in_contact(values: Array, contact: Flags) -> float:
     """Return the mean of the values at the nodes in contact."""
     total, nodes = 0.0, 0
@@ -83,7 +82,6 @@ def mean_in_contact(values: Array, contact: Flags) -> float:
 
 
 @in_any_order
-@kernel
 def dot(a: Array, b: Array) -> float:
     """Return the sum of the products of two arrays."""
     # not np.dot: BLAS would run it on several threads, ten times as slow on a loaded machine
@@ -143,7 +141,6 @@ def _correct_contact(state: GridState) -> bool:
 
 
 @in_any_order
-@kernel
 def _take_step(grid: Grid, state: GridState) -> None:
     """Take a step of conjugate gradients, preconditioned at constant load: docs/bem.md, "The iteration"."""
     own, contact, vector, direction = state.progress[0], state.contact, state.vector, state.direction

@@ -115,7 +115,6 @@ def _sizes(first_node: Indices, half_width: Array, samples: Array) -> NDArray[np
 
 
 @in_any_order
-@kernel
 def _roughness(samples: Array) -> float:
     """Return sum n |c_n| of sum c_n T_n through samples at the zeros of a Chebyshev polynomial.
 
@@ -258,7 +257,7 @@ def stated_errors(state: ContactState, series: CosineSeries) -> Effect:
     """Return estimates of the errors of the resistance, in g_0/p_0*, and the contact fraction, in partial contact."""
     effects = (
         (TANGENT_ERROR * max(state.resistance, 1.0), 0.0),
-        _next_moves(state.segments.half_width, state.edge_move, state.tangent_strength, series.period),
+        _next_moves(state.segments.half_width, state.edge_move.T, state.tangent_strength, series.period),
         _error_by_edges(state, series),
         _crack_error(state, series.period),
         _missing_cracks(state, series.period),
@@ -269,12 +268,12 @@ def stated_errors(state: ContactState, series: CosineSeries) -> Effect:
 
 
 @kernel
-def _next_moves(half_width: Array, edge_move: Sides, B: Sides, period: float) -> Effect:
+def _next_moves(half_width: Array, edge_move: NDArray[np.float64], B: Sides, period: float) -> Effect:
     """Return the effect of the next step, which moves the edges; while these have not settled, others follow it."""
     release, length = 0.0, 0.0
     for j in range(half_width.size):
         for side in range(2):
-            move = abs(edge_move[j, side])
+            move = abs(edge_move[side, j])
             move *= SAFETY_FACTOR if move > SETTLED_MOVE * half_width[j] else 1.0
             release, length = release + B[j, side] ** 2 * move, length + move
     return 2 * np.pi**2 / period * release, length

@@ -263,12 +263,12 @@ def _carry(
     first_node: Indices, r: Array, b: Array, a: Array, moves: Table, move: float, rounding: float
 ) -> tuple[Array, Array, Table]:
     """Return the expansions and the moves of `carried_along`."""
-    left, (_, _, singular, narrowest, shift, growth) = np.zeros(moves.shape), moves
+    left, singular, narrowest = np.zeros(moves.shape), moves[2], moves[3]
     for j in range(r.size):
         rounded, left[2, j], left[3, j] = min(1.0, rounding / max(singular[j], 1e-300)), singular[j], narrowest[j]
         for side in range(2):
             left[side, j] = 2 * move**2 * narrowest[j] + rounded * abs(moves[side, j])
-    b, a = moved_expansion(first_node, r, b, a, shift, growth)
+    b, a = moved_expansion(first_node, r, b, a, moves[4], moves[5])
     return b, a, left
 
 

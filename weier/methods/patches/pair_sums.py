@@ -182,8 +182,10 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
 @kernel
 def _chebyshev_points(low: float, high: float) -> tuple[Array, Array]:
     """Return origins and offsets of the Chebyshev points of a node."""
-    middle, half = interval(low, high)
-    return np.full(ORDER, middle), half * POINT
+    origin, offset, (middle, half) = np.empty(ORDER), np.empty(ORDER), interval(low, high)
+    for q in range(ORDER):
+        origin[q], offset[q] = middle, half * POINT[q]
+    return origin, offset
 
 
 @kernel
@@ -272,7 +274,6 @@ def _add_local_fields(tree: Tree, field: NDArray[np.float64], total: Array) -> N
 
 
 @in_any_order
-@kernel
 def _add_block(block: Array, f_of_rows: Array, f_of_columns: Array, to_rows: Array, to_columns: Array) -> None:
     """Add a block, given row by row, times f of its columns to the totals of its rows, and its transpose likewise."""
     columns = to_columns.size

@@ -262,8 +262,12 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
 @kernel
 def _are_apart(origin: Array, y: Array, half_width: Array, period: float) -> bool:
     """Return whether segments act on each other as line forces; the relative error is (half-width/distance)^2."""
-    nearest = distances_between(origin, y, np.zeros(y.size), period).min()
-    return half_width.max() < np.sqrt(GUESS_TOLERANCE) * nearest
+    distance, nearest, are_narrow = distances_between(origin, y, np.zeros(y.size), period), np.inf, True
+    for j in range(y.size):
+        nearest = min(nearest, distance[j])
+    for j in range(y.size):
+        are_narrow = are_narrow and half_width[j] < np.sqrt(GUESS_TOLERANCE) * nearest
+    return are_narrow
 
 
 @kernel
