@@ -93,6 +93,8 @@ class Solved:
         sizes = {LOADS: self.loads.size, "term": 1}
         own = [sizes.get(dim, 0) for dim in VARIABLES[name].dims if dim not in (CASE, "solution_method")]
         shape = np.max([own, *(values.shape[1:] for _, values in solved)], axis=0).astype(int)
+        if [values.shape for _, values in solved] == [(len(self.cases), *shape)]:  # one part has all rows: no copy
+            return solved[0][1].astype(variables.blank(name, (0, *shape)).dtype, copy=False)
         joined = variables.blank(name, (len(self.cases), *shape))
         for rows, values in solved:
             within: tuple[Any, ...] = (rows, *map(slice, values.shape[1:]))
