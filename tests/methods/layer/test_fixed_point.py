@@ -10,7 +10,7 @@ from scipy.fft import dct, idct
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 
-from weier import Profile
+from weier import ConvergenceError, Profile
 from weier.methods import demelio, layer, westergaard
 from weier.methods.layer.nonlinear_layer import ACCURACY
 from weier.surface.series import tail_amplitude
@@ -117,3 +117,9 @@ def test_so_many_scales_that_residuals_of_waves_add_up_have_smaller_ones():
     assert np.all(np.diff(h) > 0)
     assert np.all(h > demelio.compliance(loads, D, gamma, math.inf))
     assert h[-1] < tail_amplitude(0, D, gamma)
+
+
+def test_a_table_that_is_only_nearly_its_own_image_is_refused():
+    """h is 0.12, as smaller D show; a table with 2.2 is off its image by 1e-6, which adds up over 1000 scales."""
+    with pytest.raises(ConvergenceError):
+        layer.curve(Profile(1.9998, 100, math.inf), [1e-16], accuracy=1e-3)

@@ -30,8 +30,11 @@ from weier.methods.layer.scaling_tables import (
 from weier.methods.layer.wave import closure_sensitivity
 
 TABLE_FRACTION = 0.5  # fraction of the accuracy for the table; the residuals of the waves have the rest
+MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's estimate
+MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
 MAX_STEPS = 400  # Newton steps; 7 to 30 are usual
 MAX_STEP = 0.5  # largest change of ln W in a step
+MIN_PART = 1e-3  # smallest part of the way from TW to the new table that is tried if a wave does not converge
 
 
 def infinite_waves(model: Model, bottom: float) -> ComplianceTable:
@@ -84,9 +87,16 @@ def _scale(model: Model, rows: Rows) -> Scale:
 
 
 def _guess(model: Model, position: Array) -> Rows:
-    """Return Archard's estimate as a table, from which Newton's method starts."""
-    log_W = np.log(archard.compliance(np.exp(log_load_at(position)), model.D, model.gamma, math.inf))
-    return Rows(position, log_W, np.gradient(log_W, position), np.empty((position.size, 0)))
+    """Return a table near the fixed point: Archard's estimate at heavy loads, then row by row to lighter loads.
+
+    Contacts under light loads are small, and their pressures are heavy loads to the next finer wave.
+    """
+    heavy = position[log_load_at(position) >= MIN_ESTIMATED_LOAD]
+    log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), model.D, model.gamma, math.inf))
+    rows, _ = _newton(model, Rows(heavy, log_W, np.gradient(log_W, heavy), np.empty((heavy.size, 0))), MAX_GUESS_STEP)
+    for one in position[position < heavy[0]][::-1]:
+        rows = merge(_scale(model, rows).rows(np.array([one]), None), rows)
+    return rows
 
 
 def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
@@ -107,7 +117,7 @@ def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
         try:
             new = scale.rows(rows.position, rows.state if rows.state.size else None)
         except ConvergenceError:
-            if part < ROUNDING:
+            if part < MIN_PART:
                 raise
             part /= 4
             continue
