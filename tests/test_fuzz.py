@@ -18,14 +18,9 @@ FEW, MANY = 120, 5000
 
 TEXTS = ["inf", ".nan", "nan", "5/0", "5/2", "1e-3", "1e400", "../../x", "/etc/passwd", "a\nb", ""]
 CHARACTERS = ["\x00", "\ud800", "\u0661"]  # none, half of one, and a digit that is no ASCII
-NUMBERS = [-1, 0, 1, 2, 5, 1.25, 1 + 1e-16, 1.0000001, 2.0, 3.0, 1e6, 10**6]
-EXTREME = [1e308, -1e308, 5e-324, 10**30, 10**400, math.inf, math.nan]
-RANGES = [
-    {"from": 1, "to": 2, "count": 10**12},
-    {"from": 0, "to": 1, "count": 3, "spacing": "log"},
-    {"from": 1, "to": 3, "count": 3.0},
-]
-ODD = [*TEXTS, *CHARACTERS, *NUMBERS, *EXTREME, *RANGES, True, None, {}, [], [[]]]
+NUMBERS = [-1, 0, 1, 2, 5, 1.25, 1 + 1e-16, 1.0000001, 1e308, -1e308, 5e-324, 10**6, 10**400, math.inf, math.nan]
+RANGES = [{"from": 1, "to": 2, "count": 10**12}, {"from": 0, "to": 1, "count": 3, "spacing": "log"}]
+ODD = [*TEXTS, *CHARACTERS, *NUMBERS, *RANGES, True, None, {}, [], [[]]]
 atoms = (
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.dates() | st.sampled_from(ODD)
 )
@@ -43,7 +38,7 @@ METHODS = [name for name in names() if name != "westergaard"]  # for one wave on
 
 @st.composite
 def scenes(draw):
-    """A sound scene with some values replaced by others."""
+    """The text of a sound scene with some values replaced by others."""
     product = {"D": 1.25, "gamma": 5, "m": 2}
     for key in draw(st.lists(st.sampled_from(PRODUCT_KEYS), max_size=3)):
         product[key] = draw(values)
@@ -53,11 +48,12 @@ def scenes(draw):
         found["settings"] = {method: {draw(st.sampled_from(["points", "tolerance", "quantity"])): draw(values)}}
     for key in draw(st.lists(st.sampled_from(SCENE_KEYS), max_size=2)):
         found[key] = draw(values)
-    return found
+    return yaml.safe_dump(found, allow_unicode=False).encode()
 
 
-def load_or_refuse(path):
+def load_or_refuse(path, text):
     """Load a scene that gives all files of the Snakefile, or refuse it with a sentence a mistake."""
+    path.write_bytes(text)
     refusal = ""
     try:
         loaded = scene_checks.load_scene(path)
@@ -73,36 +69,14 @@ def load_or_refuse(path):
     assert all(len(line) < 2000 and (number == 0 or line.startswith("  ")) for number, line in enumerate(lines))
 
 
-def check_scene(folder, found):
-    check_text(folder, yaml.safe_dump(found, allow_unicode=False).encode())
-
-
-def check_text(folder, text):
-    path = folder / "a scene.yaml"
-    path.write_bytes(text)
-    load_or_refuse(path)
-
-
 TEXT = st.binary(max_size=60) | st.text(alphabet="&*a!:{}[]-,|>%@`'\"\n 1.eE_~?<", max_size=60).map(str.encode)
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    place = tmp_path / "ein Örtchen"
-    place.mkdir()
-    monkeypatch.chdir(place)
-    return place
-
-
-FUZZED = {"scenes": (scenes(), check_scene), "texts": (TEXT, check_text)}
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # a doubt about a unit is as clear an answer as a refusal
 @examples(FEW, MANY)
-@pytest.mark.parametrize("kind", FUZZED)
-def test_whatever_is_given_is_taken_or_refused_in_a_sentence(kind, folder, how_many):
-    strategy, check = FUZZED[kind]
-    how_many(given(strategy)(lambda found: check(folder, found)))()
+@pytest.mark.parametrize("texts", [scenes(), TEXT], ids=["scenes", "texts"])
+def test_whatever_is_given_is_taken_or_refused_in_a_sentence(texts, tmp_path, how_many):
+    how_many(given(texts)(lambda text: load_or_refuse(tmp_path / "ein Örtchen.yaml", text)))()
 
 
 LAUGHS = "a: &a [x]\n" + "".join(
@@ -113,12 +87,9 @@ LAUGHS = "a: &a [x]\n" + "".join(
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (f"{LAUGHS}loads: *i", "loads.0: a load must be a number, got"),
         (f"{LAUGHS}settings: {{layer: {{points: *i}}}}", "a: Extra inputs are not permitted"),
         ("&a [*a]", "Input should be a valid dictionary"),
         ("studies: &a {one: *a}", "studies.one.one: Extra inputs are not permitted"),
-        ("a: b\n1: 2", "Keys should be strings, got 1"),
-        ("figures: {true: null}", "Input should be a valid string, got True"),
         ("? [a]\n: 2", "Keys should be strings"),
         ("[" * 5000, "maximum depth"),
         ("a: " + "1" * 5000, "cannot be read"),
@@ -126,15 +97,9 @@ LAUGHS = "a: &a [x]\n" + "".join(
         ("!!python/object/apply:os.system ['touch stray']", "could not determine a constructor"),
     ],
 )
-def test_yaml_that_means_harm_is_refused(folder, text, message):
-    path = folder / "bad.yaml"
-    path.write_text(text)
+def test_yaml_that_means_harm_is_refused(tmp_path, monkeypatch, text, message):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.yaml").write_text(text)
     with pytest.raises(scene.SceneError, match=message):
-        scene.load(path)
-    assert [path.name for path in folder.iterdir()] == ["bad.yaml"]
-
-
-@pytest.mark.parametrize("name", ["../x", "/etc/passwd", "a/b", "..", "a\n", "", "ü", "-x", "a" * 65, "minimal.yaml"])
-def test_a_scene_name_leads_nowhere_else(name):
-    with pytest.raises(ValueError, match="must be one of"):
-        scene.load_by_name(name)
+        scene.load(tmp_path / "bad.yaml")
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.yaml"]

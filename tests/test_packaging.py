@@ -44,14 +44,11 @@ def built(tracked, tmp_path_factory):
     return folder
 
 
-def test_the_archive_holds_the_whole_project(built, tracked):
+def test_the_archive_holds_the_whole_project_and_the_wheel_the_package(built, tracked):
     with tarfile.open(next(built.glob("*.tar.gz"))) as archive:
         names = {member.name.partition("/")[2] for member in archive if member.isfile()}
     made = {name for name in names if name.startswith("weier.egg-info/")} | {"PKG-INFO", "setup.cfg"}
     assert names - made == {name for name in tracked if not name.startswith(".")}
-
-
-def test_the_wheel_holds_the_whole_package_and_nothing_else(built, tracked):
     with zipfile.ZipFile(next(built.glob("*.whl"))) as wheel:
         names = {name for name in wheel.namelist() if ".dist-info/" not in name}
     assert names == {name for name in tracked if name.startswith("weier/")}

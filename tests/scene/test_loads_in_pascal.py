@@ -1,6 +1,5 @@
 """Scenes with loads in Pa: common pressures of traces and series, and results in SI units."""
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -53,11 +52,7 @@ def test_the_data_are_those_of_an_interface_for_the_same_pressures(solved):
             assert data[name].values == pytest.approx(expected[name].values, rel=1e-12), name
         assert data.mean_pressure.units == "MPa"
         assert "normalisation" not in data.attrs
-        assert {name: data.attrs[name] for name in ("lambda_0", "g_0", "rho_1")} == {
-            "lambda_0": 1e-3,
-            "g_0": 1e-6,
-            "rho_1": 2e-7,
-        }
+        assert [data.attrs[name] for name in ("lambda_0", "g_0", "rho_1")] == [1e-3, 1e-6, 2e-7]
         ensemble = data.weier.cases(study="lines").weier.ensemble()
         assert ensemble["resistance_mean"].values == pytest.approx(expected.resistance.values[:2, 0].mean(axis=0))
         with pytest.raises(ValueError, match="data must be normalised"):
@@ -84,26 +79,19 @@ def test_a_scene_says_where_contacts_yield(solved):
 def test_figures_are_in_si_units(solved):
     """The curves of traces of different scales reduce at the common pressures, those of a series as arrays."""
     _, loaded, solutions = solved
-    expected = weier.Interface(**SCENE["interface"])
-    for name, (quantity, study) in {
-        "lines": ("resistance", "lines"),
-        "scatter": ("compliance", "lines"),
-        "series": ("compliance", "series"),
-    }.items():
-        figure = loaded.figures[name]
-        _, (axes,), extent = many_curves.compare(
-            [read_study(solutions, study)], "", quantity, figure.grouping, figure.interface
-        )
+    units = {"compliance": "(m)", "resistance": r"($\Omega\,$m$^2$)"}
+    for name, figure in loaded.figures.items():
+        ((study,), quantity) = figure.studies, figure.draw
+        shown = [read_study(solutions, study)], "", quantity, figure.grouping, figure.interface
+        _, (axes,), extent = many_curves.compare(*shown)
         surfaces = [case.profile for case in loaded.study(study)]
-        own = expected.solve(surfaces, 1e6 * MPA)[quantity].values[:, 0]
-        drawn = axes.get_lines()
-        at = [np.interp(MPA, line.get_xdata(), line.get_ydata()) for line in drawn]
+        own = weier.Interface(**SCENE["interface"]).solve(surfaces, 1e6 * MPA)[quantity].values[:, 0]
+        at = [np.interp(MPA, line.get_xdata(), line.get_ydata()) for line in axes.get_lines()]
         wanted = own if name == "lines" else [np.median(own, axis=0)]
         # A compliance between two loads is drawn within these, and the last resistance may be 0.
         assert np.array(at) == pytest.approx(np.array(wanted), rel=1e-9), name
         assert axes.get_xlabel().endswith("(MPa)")
-        unit = {"compliance": "(m)", "resistance": r"($\Omega\,$m$^2$)"}[quantity]
-        assert axes.get_ylabel().endswith(unit)
+        assert axes.get_ylabel().endswith(units[quantity])
         assert values.as_csv(axes.figure).splitlines()[0].split(",")[2] == "mean pressure p (MPa)"
         assert extent.first_load == pytest.approx(5)
 
@@ -138,11 +126,8 @@ def test_traces_have_their_fits_beside_their_curves(tmp_path):
     loaded = scene_in(tmp_path, SCENE | changes)
     write_data(solve_scene(loaded, tmp_path / "curves"), tmp_path / "contact.nc")
     fits = weier.fit([case.profile for case in loaded.study("shaft")])
-    D, g_0 = np.transpose([(fit.D, fit.g_0) for fit in fits])
     with weier.open_dataset(tmp_path / "contact.nc") as data:
-        assert data.trace_fit_D.values == pytest.approx(D, rel=1e-12)
-        assert data.trace_fit_g_0.values == pytest.approx(g_0, rel=1e-12)
-        assert data.trace_fit_lambda_0.values == pytest.approx([fit.lambda_0 for fit in fits], rel=1e-12)
-        rolloff = [fit.rolloff or math.nan for fit in fits]
-        np.testing.assert_allclose(data.trace_fit_rolloff.values, rolloff, rtol=1e-12)
+        for name in ("D", "g_0", "lambda_0", "rolloff"):
+            expected = np.array([getattr(fit, name) for fit in fits], float)  # None is NaN
+            np.testing.assert_allclose(data[f"trace_fit_{name}"].values, expected, rtol=1e-12)
         assert list(data.trace_fit_remark.values) == ["", "", ""]
