@@ -44,10 +44,10 @@ configured = lambda path: (
 configfile: configured("config/config.yaml")
 
 
-SCENES = names_of_scenes(config)
 settings = workflow.resource_settings
 jobs_at_once = settings.nodes or settings.cores or 1
-plan = Plan(SCENES, load_by_name, configured("config/scenes"), jobs_at_once)
+scenes = names_of_scenes(config)
+plan = Plan(scenes, load_by_name, configured("config/scenes"), jobs_at_once)
 
 # Jobs run modules by the Python of Snakemake, or of their own environment. Since the parameter is a function of the
 # output, another Python makes nothing again.
@@ -62,32 +62,20 @@ made_of = lambda product: unpack(
 )
 
 
-include: "rules/accuracy.smk"
-
-
-# Named here, since rules do not inherit it.
-localrules:
-    data,
-    figure,
-    page,
-
-
 rule all:
-    default_target: True
     input:
         plan.all_files,
     message:
-        f"everything of {', '.join(SCENES)}"
+        f"everything of {', '.join(scenes)}"
 
 
-# Jobs compile the kernels of methods in parallel and before the jobs that need them: first those of curves, which take
-# longest, then the sums over many contacts.
+# Jobs compile the kernels of methods in parallel, before the jobs that need them. Those of curves take longest.
 rule compile:
     output:
         touch(kernels_file("{kernels}")),
     log:
         "results/logs/compile/{kernels}.log",
-    priority: lambda wildcards: 3 if wildcards.kernels.endswith(".curves") else 2
+    priority: lambda wildcards: 2 if wildcards.kernels.endswith(".curves") else 1
     conda:
         "rules/environment.yaml"
     params:
@@ -108,7 +96,6 @@ rule solve:
         temp(touch("results/curves/.solved/{what}/{numerics}/{missing}/{share}")),
     log:
         "results/logs/curves/{what}/{numerics}/{missing}/{share}.log",
-    priority: 1
     conda:
         "rules/environment.yaml"
     resources:
@@ -155,6 +142,7 @@ rule data:
         to="results/{scene}/contact.nc",
     log:
         "results/logs/{scene}/data.log",
+    localrule: True
     conda:
         "rules/environment.yaml"
     message:
@@ -181,6 +169,7 @@ use rule data as figure with:
         ),
     log:
         "results/logs/{scene}/figures/{figure}.log",
+    localrule: True
 
 
 use rule data as page with:
@@ -190,3 +179,7 @@ use rule data as page with:
         to=report("results/{scene}/page.html", category="{scene}", subcategory="curves"),
     log:
         "results/logs/{scene}/page.log",
+    localrule: True
+
+
+include: "rules/accuracy.smk"

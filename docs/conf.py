@@ -1,4 +1,4 @@
-"""How the documentation is built: `snakemake --cores 2 docs` draws its figures and builds it."""
+"""How the documentation is built: `python -m sphinx docs results/docs`, once the scene `paper` is run."""
 
 import sys
 from pathlib import Path

@@ -33,15 +33,20 @@ class SceneFigures(SphinxDirective):
     def run(self):
         """A figure node for each."""
         loaded = scene.load(ROOT / f"config/scenes/{self.arguments[0]}.yaml")
+        if not all(self.path(name).exists() for name in loaded.figures):
+            raise self.error(f"the figures of {loaded.name} are not in {self.config.scene_figures}: run snakemake")
         return [self.picture(loaded, name) for name in loaded.figures]
+
+    def path(self, name):
+        """Where a figure is."""
+        return Path(self.config.scene_figures, f"{name}.png")
 
     def picture(self, loaded, name):
         """Picture and caption."""
         title, text, alternative = caption(loaded, name)
-        path = Path(self.config.scene_figures, f"{name}.png")
         words = nodes.caption("", "", nodes.strong("", f"{title}. "), nodes.Text(text))
         return nodes.figure(
-            "", nodes.image(uri=os.path.relpath(path, ROOT / "docs"), alt=alternative, width="28em"), words
+            "", nodes.image(uri=os.path.relpath(self.path(name), ROOT / "docs"), alt=alternative, width="28em"), words
         )
 
 

@@ -1,4 +1,4 @@
-# Measurements of the methods, each with a page, and the documentation.
+# Measurements of the methods, each with a page.
 rule extremes:
     output:
         page="results/extremes/extremes.md",
@@ -8,12 +8,10 @@ rule extremes:
         "environment.yaml"
     params:
         run=command,
-        code=digest_of_modules("accuracy", "figures"),
-        numerics=plan.numerics,
-        study=lambda wildcards, output: Path(output.page).stem,
+        code=[digest_of_modules("accuracy", "figures"), plan.numerics],
         scene=lambda wildcards, input: [f"--scene {path}" for path in input],
     shell:
-        "{params.run} weier.accuracy {params.study} {params.scene} > {output.page:q} 2> >(tee -i {log:q} >&2)"
+        "{params.run} weier.accuracy $(basename {output.page:q} .md) {params.scene} > {output.page:q} 2> >(tee -i {log:q} >&2)"
 
 
 use rule extremes as convergence with:
@@ -35,26 +33,3 @@ use rule extremes as tradeoff with:
     log:
         "results/logs/tradeoff/measure.log",
     threads: settings.cores or 1
-
-
-# The documentation, with the figures of the paper: snakemake --cores 2 docs
-rule docs:
-    input:
-        lambda wildcards: [
-            f"results/paper/figures/{figure}.png"
-            for figure in plan.scene("paper").figures
-        ],
-        [os.path.relpath(path) for path in sorted(CHECKOUT.glob("docs/**/*.*"))],
-        index=configured("docs/index.rst"),
-    output:
-        "results/docs/index.html",
-    log:
-        "results/logs/docs.log",
-    conda:
-        "environment.yaml"
-    params:
-        run=command,
-        code=digest_of_modules("cli", "api", "surface"),
-    shell:
-        "{params.run} sphinx --fail-on-warning --keep-going --quiet --fresh-env"
-        ' -D scene_figures="$PWD/results/paper/figures" "$(dirname {input.index:q})" results/docs 2>&1 | tee -i {log:q}'
