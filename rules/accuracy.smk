@@ -8,7 +8,7 @@ rule extremes:
         "environment.yaml"
     params:
         run=command,
-        code=[digest_of_modules("accuracy", "figures"), plan.numerics],
+        code=[digest_of_modules("accuracy"), plan.numerics],
         scene=lambda wildcards, input: [f"--scene {path}" for path in input],
     shell:
         "{params.run} weier.accuracy $(basename {output.page:q} .md) {params.scene} > {output.page:q} 2> >(tee -i {log:q} >&2)"
@@ -28,7 +28,6 @@ use rule extremes as tradeoff with:
     input:
         configured("config/accuracy/tradeoff.yaml"),
     output:
-        multiext("results/tradeoff/tradeoff", ".pdf", ".svg", ".png", ".csv"),
         page="results/tradeoff/tradeoff.md",
     log:
         "results/logs/tradeoff/measure.log",

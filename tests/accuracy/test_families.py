@@ -1,51 +1,48 @@
-"""The families of hard series, and what is counted of their errors."""
+"""Coverage: what is counted of the errors on families of hard series."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from weier import Profile
-from weier.accuracy import coverage, families
-from weier.accuracy.families import VARIANTS
+from weier.accuracy import comparison, coverage
+from weier.accuracy.families import FAMILIES, VARIANTS, draws
 from weier.accuracy.reference import contact_reference
-from weier.accuracy.runner import Variant
 
 
 @pytest.fixture(scope="module")
-def one_draw() -> families.Draw:
-    grid = {"points_per_wave": 16}
-    settings = grid, grid | {"staircase": "kept"}, {"tolerance": 1e-6}
-    variants = {name: Variant(name.split()[0], own) for name, own in zip(VARIANTS, settings, strict=True)}
-    return families.Draw("usual", Profile(1.3, 2, 2, (0.0, 1.0)), np.array([0.01, 0.3]), variants)
+def drawn():
+    return next(draws(FAMILIES, VARIANTS, np.random.default_rng(1), 1))
 
 
 @pytest.fixture
-def reference(monkeypatch):
-    """Replace a part of the reference of all draws."""
+def compared(drawn, monkeypatch):
+    """Compare a draw with a reference of which a part is replaced."""
 
-    def replace(**parts):
+    def compare(**parts):
         def changed(profile, loads):
             right = contact_reference(profile, loads)
             return right._replace(**{name: change(getattr(right, name)) for name, change in parts.items()})
 
-        monkeypatch.setattr(coverage, "contact_reference", changed)
+        monkeypatch.setattr(comparison, "contact_reference", changed)
+        return list(comparison.compare([drawn]))
 
-    return replace
-
-
-def test_an_error_beyond_what_is_stated_is_found(one_draw, reference):
-    right = [coverage.judge(one_draw, name) for name in VARIANTS]
-    assert not any(list(coverage.exceeded(one)) for one in right)
-    off = 10 * right[0].stated[0, 1]
-    reference(values=lambda exact: exact + np.array([[0, off], [0, 0]]))
-    judged = coverage.judge(one_draw, "bem")
-    (where,) = coverage.exceeded(judged)
-    assert judged.ratio[0, 1] == pytest.approx(10, abs=1)
-    assert f"h by bem is off by {judged.error[0, 1]:.2e}" in where
-    assert f"{one_draw.profile!r} at 0.3" in where
+    return compare
 
 
-def test_a_number_is_not_judged_by_a_reference_that_is_no_finer(one_draw, reference):
-    reference(uncertainty=lambda known: known + 100.0)
-    assert all(np.isnan(coverage.judge(one_draw, name).ratio).all() for name in VARIANTS)
+def test_an_error_beyond_what_is_stated_is_found(drawn, compared):
+    right = compared()
+    (table,) = coverage.parts(right)
+    assert [row.split(" | ")[0] for row in table.splitlines()[2:]] == ["| usual", "| all"]
+    off = np.zeros((2, drawn.loads.size))
+    off[0, 1] = 10 * right[0].result.stated[0, 1]
+    bem, *_ = compared(values=lambda exact: exact + off)
+    assert bem.ratio[0, 1] == pytest.approx(10, abs=1)
+    (where,) = bem.exceeded()
+    assert f"h by bem is off by {bem.error[0, 1]:.2e}" in where
+    assert f"{drawn.profile!r} at {drawn.loads[1]}" in where
+    assert coverage._coverage([bem]).startswith(f"h: 1 of {drawn.loads.size}, ")
+
+
+def test_a_number_is_not_judged_by_a_reference_that_is_no_finer(compared):
+    assert all(np.isnan(one.ratio).all() for one in compared(uncertainty=lambda known: known + 1e30))

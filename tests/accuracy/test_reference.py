@@ -9,7 +9,7 @@ import pytest
 from tests.reference import REFERENCES
 from weier import Profile
 from weier.accuracy.cosines import shifted
-from weier.accuracy.reference import contact_reference, deviation, digits, find_reference
+from weier.accuracy.reference import contact_reference, deviation, digits, own_reference
 from weier.accuracy.runner import Variant, attempt
 from weier.methods import registry, westergaard
 
@@ -18,7 +18,7 @@ LOADS = np.array([0.01, 0.1])
 
 
 def reference_of(name, profile, loads=LOADS):
-    return find_reference(registry.find_method(name), profile, loads, attempt(Variant(name), profile, loads))
+    return own_reference(Variant(name), profile, loads, attempt(Variant(name), profile, loads))
 
 
 @pytest.mark.parametrize("known", REFERENCES, ids=str)

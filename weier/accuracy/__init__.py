@@ -1,6 +1,6 @@
 """Measurements of weier itself: errors, computing time, and coverage of the stated errors.
 
-`python -m weier.accuracy NAME` prints a page of Markdown; `tradeoff` draws a figure as well.
+`python -m weier.accuracy NAME` prints a page of Markdown.
 
 | name | what it measures |
 |---|---|

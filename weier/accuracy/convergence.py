@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -28,42 +28,31 @@ HEADER = ("series", "resolved terms", "nodes", "half-width of the bounds", "erro
 
 
 class Resolved(NamedTuple):
-    """The infinite series with some terms resolved by boundary elements, at all loads: bounds, and their middle."""
+    """The infinite series with some terms resolved by boundary elements: bounds, shape (2, loads)."""
 
     terms: int
     nodes: float
-    low: Array
-    high: Array
-
-    @property
-    def estimate(self) -> Array:
-        """The middle of the bounds."""
-        return (self.low + self.high) / 2
+    bounds: Array
 
 
-def measure(profile: Profile, loads: Array, max_terms: int) -> list[Resolved]:
-    """Return bounds on an infinite series with 1, 2, ... resolved terms, skipping numbers out of reach."""
-    found = []
+def measure(profile: Profile, loads: Array, max_terms: int) -> Iterator[Resolved]:
+    """Yield bounds on an infinite series with 1, 2, ... resolved terms, as far as they are within reach."""
     for terms in range(1, max_terms + 1):
         kept = profile.truncated(terms)
         tolerance = min(MESH_FRACTION * kept.tail_amplitude, MAX_TOLERANCE)
-        try:
+        with suppress(ConvergenceError, OutOfReachError):
             solved = run(Variant(bem.METHOD.name, {"tolerance": tolerance}), kept, loads)
-        except (ConvergenceError, OutOfReachError) as error:
-            print(f"{profile.describe()}, {terms} terms resolved: {error}", file=sys.stderr)
-            continue
-        bounds = complete_bounds(solved.values[0], kept.tail_amplitude, profile.total_amplitude, solved.stated[0])
-        found.append(Resolved(terms, solved.others["points"], *bounds))
-    return found
+            bounds = complete_bounds(solved.values[0], kept.tail_amplitude, profile.total_amplitude, solved.stated[0])
+            yield Resolved(terms, solved.others["points"], np.stack(bounds))
 
 
 def rows(profile: Profile, resolved: Sequence[Resolved]) -> Iterator[list[str]]:
-    """Yield the largest half-width of the bounds over the loads, and the distance from the last estimate."""
-    seed, last = profile.labels["seed"], resolved[-1]
+    """Yield the largest half-width of the bounds over the loads, and the distance of their middle from the last."""
+    seed, middles = profile.labels["seed"], [one.bounds.mean(axis=0) for one in resolved]
     name = profile.describe() + ("" if np.isnan(seed) else f", seed = {seed:.0f}")
-    for one in resolved:
-        width = (one.high - one.low).max() / 2
-        error = np.nan if one is last else np.abs(one.estimate - last.estimate).max()
+    for one, middle in zip(resolved, middles, strict=True):
+        error = np.nan if middle is middles[-1] else np.abs(middle - middles[-1]).max()
+        width = np.ptp(one.bounds, axis=0).max() / 2
         yield [name, str(one.terms), f"{one.nodes:.0f}", number(width, ".1e"), number(error, ".1e")]
 
 
@@ -78,5 +67,5 @@ def main(scene: Path, terms: int) -> list[str]:
     Nodes are nodes of boundary elements.
     """
     loaded = load(scene)
-    found = (rows(case.profile, measure(case.profile, loaded.loads, terms)) for case in loaded.distinct)
+    found = (rows(case.profile, [*measure(case.profile, loaded.loads, terms)]) for case in loaded.distinct)
     return [table(HEADER, chain.from_iterable(found))]

@@ -6,83 +6,125 @@ the bounds that the closed form of the first wave gives for all longer series (S
 
 from __future__ import annotations
 
+import math
 import re
-import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 
 import numpy as np
-from numpy.typing import NDArray
 
-from weier.accuracy.ill_conditioned import Extreme, extremes
-from weier.accuracy.measurement import measurement, number
-from weier.accuracy.reference import deviation, digits, find_reference
-from weier.accuracy.runner import Outcome, Variant, attempt
-from weier.data.markdown import plain, table
+from weier.accuracy.comparison import Compared, by_problem, compare
+from weier.accuracy.measurement import measurement
+from weier.accuracy.reference import digits
+from weier.accuracy.runner import Problem, Variant
+from weier.api.fields import events
+from weier.data.markdown import plain
 from weier.kernels.arrays import Array
-from weier.methods import westergaard
-from weier.methods.registry import find_method
+from weier.methods import registry, westergaard
+from weier.methods.method import Method
 from weier.surface.profile import Profile
+from weier.surface.waves import Waves
 from weier.theory.bounds import resistance_bounds
 
 # Unstated errors: of heights relative to the total amplitude, and relative errors of slopes. The layer interpolates
 # tables of accuracy 1e-5.
 ROUNDING, NOISE = (1e-12, 1e-11), {"layer": (1e-6, 1e-5)}
 
-HEADER = ("method", "extremes", "numbers", "errors in words", "least digits of h", "of R", "largest error of h")
+# Loads over the whole range of floats, and usual loads.
+SWEEP = 10.0 ** np.array(
+    [*range(-300, -20, 50), -30, -20, *range(-15, -3, 2), *np.arange(-3, 1.5, 0.5), 2, 6, 12, *range(50, 301, 50)]
+)
+USUAL = np.geomspace(1e-6, 100, 25)
+ONE_LOAD = np.array([0.1])
+MAX_SECONDS = 60.0  # of a method for a curve and for its loads one by one
 
 
-class Examined(NamedTuple):
-    """A variant at an extreme.
-
-    outcome : at each load
-    error, digits : errors of h and R, and their correct digits, shape (2, loads); NaN without a reference
-    checks : whether the curve passes each check that can be made
-    message : message of the first error
-    """
-
-    extreme: Extreme
-    variant: Variant
-    outcome: NDArray[np.int8]
-    error: Array
-    digits: Array
-    checks: Mapping[str, bool]
-    message: str
-
-    @property
-    def faults(self) -> list[str]:
-        """The faults of a method, in words."""
-        found = [f"not {name}".replace("_", " ") for name, holds in self.checks.items() if not holds]
-        for bad in (Outcome.unclear_error, Outcome.not_finite):
-            found += [bad.name.replace("_", " ")] * bool((self.outcome == bad).any())
-        # Each load alone is solved.
-        return found + ["not one curve"] * bool(self.message and (self.outcome == Outcome.finite).all())
+def neighbours(*loads: float) -> Array:
+    """Return each load and its neighbours, one and two units in the last place (ulp) away."""
+    below = np.nextafter(loads, 0)
+    above = np.nextafter(loads, np.inf)
+    return np.unique([np.nextafter(below, 0), below, loads, above, np.nextafter(above, np.inf)])
 
 
-def examine(cases: Iterable[Extreme]) -> list[Examined]:
-    """Run all variants on all extremes."""
-    found = []
-    for case in cases:
-        print(case.name, file=sys.stderr)
-        found += [_examine(case, variant) for variant in case.variants]
-    return found
+def around_events(profile: Profile) -> Array:
+    """Return loads at and around every third birth or merger of contacts, which bounds the time."""
+    births = events(profile, 1e-3, 100.0)["mean_pressure"].values[::3]
+    return np.unique(np.multiply.outer(births, 1 + np.array([-1e-4, -1e-8, -1e-12, 0, 1e-12, 1e-8, 1e-4])))
 
 
-def _examine(case: Extreme, variant: Variant) -> Examined:
-    method = find_method(variant.method)
-    result = attempt(variant, case.profile, case.loads)
-    solved, right = result.outcome == Outcome.finite, find_reference(method, case.profile, case.loads, result)
-    values = np.where(solved, result.values, np.nan)
-    error, stated = deviation(values, right.values), np.nan_to_num(result.stated[:, solved])
-    checks = {
-        **check(method.name, case.profile, case.loads[solved], values[:, solved], stated),
-        "within_stated_error": not np.any(error > result.stated + right.uncertainty),  # where both are known
-        "without_warning": not result.warned,
-    }
-    return Examined(case, variant, result.outcome, error, digits(values, right.values), checks, result.message)
+def _end_of_range(text: str, D: float, gamma: str) -> Iterator[tuple[str, Profile, Array]]:
+    """Yield series with D or gamma at one end of its range; slow methods are run at a single load."""
+    long = Profile(D, gamma, 1000)
+    yield f"{text}, m = 3", Profile(D, gamma, 3, [0.0, 1.0, 2.0]), USUAL
+    yield f"{text}, m = inf", Profile(D, gamma, math.inf), USUAL
+    yield f"{text}, m = 1000", long, USUAL
+    yield f"{text}, m = 1000, one load", long, ONE_LOAD
 
 
-def check(method: str, profile: Profile, p: Array, curve: Array, stated: Array) -> dict[str, bool]:
+ONE_WAVE, THREE_WAVES = Profile(1.25, "5", 1), Profile(1.25, "5", 3, [0.0, 1.0, 2.0])
+EXTREMES: tuple[tuple[str, Profile, Array | Callable[[Profile], Array]], ...] = (
+    ("one wave, loads 1e-300 to 1e300", ONE_WAVE, SWEEP),
+    ("three waves, loads 1e-300 to 1e300", THREE_WAVES, SWEEP),
+    ("m = inf, loads 1e-300 to 1e300", Profile(1.25, "5", math.inf), SWEEP),
+    ("one wave, xi one ulp from 1", ONE_WAVE, neighbours(1.0)),
+    # p_n* = 1 and 3, g_n = 1 and 1/3, and full contact at 4 are floats or round to one.
+    ("p one ulp from p_n* and full contact", Profile(1.5, "9", 2, [0.0, 0.0]), neighbours(1.0, 3.0, 4.0)),
+    *_end_of_range("D = 1 + 1e-9", 1 + 1e-9, "5"),
+    *_end_of_range("D = 2 - 1e-9", 2 - 1e-9, "5"),
+    *_end_of_range("gamma = 1 + 1e-6", 1.5, "1000001/1000000"),
+    *_end_of_range("gamma = 1e6", 1.5, "1000000"),
+    ("m = 1000, loads 1e-300 to 1e300", Profile(1.5, "2", 1000), SWEEP),
+    ("m = 1000, one load", Profile(1.5, "2", 1000), ONE_LOAD),
+    ("about to merge, just merged", Profile(1.5, "3", 3, [0.0, 1.0, 2.0]), around_events),
+    ("phases 0, births in pairs", Profile(1.5, "3", 3, [0.0, 0.0, 0.0]), around_events),
+    ("phases pi, births in pairs", Profile(1.5, "3", 3, [0.0, math.pi, math.pi]), around_events),
+    ("two crests of one height", Profile(1.25, "2", 2, [0.0, math.pi]), SWEEP),
+    ("two crests, 1e-15 apart in height", Profile(1.25, "2", 2, [0.0, math.pi + 1e-15]), SWEEP),
+    ("a wave of 1e-3 on one of 1", Profile(1 + 1e-9, "1000", 2, [0.0, 1.0]), USUAL),
+    ("finer waves flat to rounding", Profile(1 + 1e-9, "1000000", 1000), USUAL),
+    ("waves that cancel to 1 %", Profile(1 + 1e-9, "101/100", 2, [0.0, math.pi]), USUAL),
+)
+
+
+def variants(profile: Profile, loads: Array) -> dict[str, Variant]:
+    """Return all methods that give compliance and resistance of the profile in affordable time, or refuse it."""
+    methods = (method for method in registry.METHODS if method.stiffness)
+    return {method.name: Variant(method.name) for method in methods if _is_affordable(method, profile, loads)}
+
+
+def _is_affordable(method: Method, profile: Profile, loads: Array) -> bool:
+    if not method.takes(profile):
+        return method.numerical and math.isfinite(profile.m)
+    with suppress(ValueError):  # A tolerance that is out of reach is refused at once.
+        method.check(profile)
+        # A curve that is refused is solved load by load.
+        one_by_one = sum(method.seconds(profile, loads[i : i + 1]) for i in range(loads.size))
+        return method.seconds(profile, loads) + one_by_one <= MAX_SECONDS
+    return True
+
+
+def extremes() -> Iterator[Problem]:
+    """Yield all extremes with their loads and variants; loads near events are computed here."""
+    for name, profile, chosen in EXTREMES:
+        loads = chosen(profile) if callable(chosen) else chosen
+        yield Problem(name, profile, loads, variants(profile, loads))
+
+
+def faults(one: Compared) -> list[str]:
+    """Return the faults of a variant at an extreme, in words."""
+    result, method = one.result, one.problem.variants[one.name].method
+    stated = np.nan_to_num(result.stated[:, result.solved])
+    checks = check(
+        method, one.problem.profile, one.problem.loads[result.solved], result.values[:, result.solved], stated
+    )
+    found = [f"not {name}" for name, holds in checks.items() if not holds]
+    found += [f"warning: {text}" for text in result.warned]
+    # Each load alone is solved.
+    found += ["not one curve"] * bool(result.message and result.solved.all())
+    return found + list(one.exceeded())
+
+
+def check(method: str, profile: Waves, p: Array, curve: Array, stated: Array) -> dict[str, bool]:
     """Return the checks of compliance and resistance, with stated errors or 0, each of shape (2, loads), by name.
 
     Checks of the shape of a curve need at least two loads.
@@ -96,7 +138,7 @@ def check(method: str, profile: Profile, p: Array, curve: Array, stated: Array) 
         one, band = westergaard.compliance(p), finer + error.max()
         low, high = resistance_bounds(p, one, band, first_contact=0.0)
         within = (np.abs(h - finer - one) <= band) & (low - R_error <= R) & (R - R_error <= high)
-        found["within_band"] = bool(np.all(within))
+        found["within the bounds"] = bool(np.all(within))
     if p.size > 1:
         found["monotone"] = bool(np.all(np.diff(h) >= -_both_ends(error)))
         with np.errstate(over="ignore", invalid="ignore"):
@@ -111,22 +153,16 @@ def _both_ends(error: Array) -> Array:
     return np.asarray(error[:-1] + error[1:])
 
 
-def parts(found: Sequence[Examined]) -> Iterator[str]:
-    """Yield the faults, the largest errors by method and by extreme, and an error message of each kind."""
-    faults = [f"{one.extreme.name}, {one.variant.method}: {', '.join(one.faults)}" for one in found if one.faults]
-    names = list(dict.fromkeys(one.variant.method for one in found))
-    messages = dict.fromkeys(one.message for one in found if one.message)
+def parts(found: Sequence[Compared]) -> Iterator[str]:
+    """Yield the faults, the digits by method and by extreme, and an error message of each kind."""
+    faulty = [f"{one.problem.name}, {one.name}: {', '.join(own)}" for one in found if (own := faults(one))]
+    messages = dict.fromkeys(one.result.message for one in found if one.result.message)
     one_of_each = {re.split(r"\d", message)[0]: message for message in reversed(messages)}
-    listed = f"and these have a fault:\n\n{_list(faults)}" if faults else "none of them with a fault."
-    yield f"{len(found)} rows, {listed}"
-    yield "## By method\n\nThe errors of h are in g_0."
-    yield table(HEADER, [_summary(name, [one for one in found if one.variant.method == name]) for name in names])
-    yield "## Digits of the compliance"
-    cells = {(one.extreme.name, one.variant.method): _digits_left(one) for one in found}
-    cases = dict.fromkeys(case for case, _ in cells)
-    yield table(
-        ["extreme", *names], [[plain(case), *(cells.get((case, name), "") for name in names)] for case in cases]
+    yield f"{len(found)} rows, " + (
+        f"and these have a fault:\n\n{_list(faulty)}" if faulty else "none of them with a fault."
     )
+    yield "## Digits of the compliance and of the resistance"
+    yield by_problem(found, "extreme", _digits_left)
     yield "## Error messages\n\nOne of each kind:"
     yield _list(reversed(one_of_each.values()))
 
@@ -135,23 +171,14 @@ def _list(texts: Iterable[str]) -> str:
     return "\n".join(f"- {plain(text)}" for text in texts)
 
 
-def _digits_left(one: Examined) -> str:
-    """Return the least correct digits of h, or what became of the loads."""
-    refused = one.outcome != Outcome.finite
-    if refused.all():
+def _digits_left(found: Sequence[Compared]) -> str:
+    """Return the least correct digits of h and R, or what became of the loads."""
+    (one,) = found
+    if not one.result.solved.any():
         return "all refused"
-    left = number(float(np.fmin.reduce(one.digits[0])), ".1f") or "finite"
-    return f"{left}, some refused" if refused.any() else left
-
-
-def _summary(name: str, found: Sequence[Examined]) -> list[str]:
-    """Return the cells of a variant, below `HEADER`."""
-    outcome = np.concatenate([one.outcome for one in found])
-    error, digits = (np.concatenate([getattr(one, kind) for one in found], axis=1) for kind in ("error", "digits"))
-    finite = np.count_nonzero(outcome == Outcome.finite)
-    least = (number(float(np.fmin.reduce(own)), ".1f") for own in digits)
-    largest = number(float(np.fmax.reduce(error[0])))
-    return [plain(name), str(len(found)), str(finite), str(outcome.size - finite), *least, largest]
+    least = np.fmin.reduce(digits(one.result.values, one.reference.values), axis=1)
+    left = ", ".join(f"{own:.1f}" for own in least if not np.isnan(own)) or "finite"
+    return left if one.result.solved.all() else f"{left}, some refused"
 
 
 @measurement("Stability at the extremes")
@@ -162,4 +189,4 @@ def main() -> list[str]:
     number or a clear error, and the numbers must be a curve of compliance, within the errors that the method states.
     `docs/stability.md` has this page with its definitions.
     """
-    return [*parts(examine(extremes()))]
+    return [*parts([*compare(extremes(), own_sums=True)])]

@@ -8,14 +8,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import cycle
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.random import Generator
 
 from weier import ConvergenceError, Profile
 from weier.accuracy.cosines import Cosines
-from weier.accuracy.runner import MAX_POINTS, Variant, run
+from weier.accuracy.runner import MAX_POINTS, Problem, Variant, run
 from weier.kernels.arrays import Array
 from weier.methods import bem
 from weier.methods.method import Settings
@@ -28,49 +28,31 @@ VARIANTS = "bem", "bem with staircase", "patches"
 Kind = TypeVar("Kind")
 
 
-class Draw(NamedTuple):
-    """A series of a family with its loads, and the variants that are compared under them, by name."""
-
-    family: str
-    profile: Waves
-    loads: Array
-    variants: dict[str, Variant]
-
-
-class Family(NamedTuple):
-    """Ratios of wavelengths, the smallest and largest number of terms, and whether D is next to 1 or 2."""
-
-    gamma: Sequence[str]
-    few: int
-    many: int
-    extreme_dimension: bool = False
-
-
 WHOLE = tuple(map(str, range(2, 11)))
 LONG_PERIODS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")  # many lambda_0
 COARSE = tuple(f"{ratio:.0f}" for ratio in np.geomspace(20, MAX_WAVES, 40))  # some crests carry hundreds of contacts
+# Ratios of wavelengths, and numbers of terms.
 SERIES = {
-    "usual": Family(WHOLE, 1, 5),
-    "rational gamma": Family(LONG_PERIODS, 2, 5),
-    "gamma 20 to 1000": Family(COARSE, 2, 2),
-    "m to 7": Family(("4/3", "3/2", "2", "3"), 5, 7),
-    "D near 1 and 2": Family((*WHOLE, *LONG_PERIODS), 1, 5, extreme_dimension=True),
+    "usual": (WHOLE, range(1, 6)),
+    "rational gamma": (LONG_PERIODS, range(2, 6)),
+    "gamma 20 to 1000": (COARSE, range(2, 3)),
+    "m to 7": (("4/3", "3/2", "2", "3"), range(5, 8)),
+    "D near 1 and 2": ((*WHOLE, *LONG_PERIODS), range(1, 6)),
 }
 FAMILIES = (*SERIES, "smooth")
 
 
-def draws(names: Iterable[str], random: Generator, count: int) -> Iterator[Draw]:
-    """Yield draws of the families in turn, with at least this number of loads."""
+def draws(names: Iterable[str], methods: Sequence[str], random: Generator, count: int) -> Iterator[Problem]:
+    """Yield draws of the families in turn, with at least this number of loads, for some of `VARIANTS`."""
     for name in cycle(names):
         if count <= 0:
             return
-        profile = _choice(random, (power_law, shape))(random) if name not in SERIES else _series(random, SERIES[name])
+        profile = _choice(random, (power_law, shape))(random) if name not in SERIES else _series(random, name)
         loads = np.unique(_choice(random, (any_loads, near_events, near_full_contact))(random, profile))
-        grid = _choice(random, (points, tolerances))(random, profile)
+        grid = mesh(random, profile)
         tolerance = {"tolerance": 10 ** random.uniform(-10, -2)}  # the reference is not finer than 1e-10 g_0
-        settings = grid, {**grid, "staircase": "kept"}, tolerance
-        variants = (Variant(name.split()[0], own) for name, own in zip(VARIANTS, settings, strict=True))
-        yield Draw(name, profile, loads, dict(zip(VARIANTS, variants, strict=True)))
+        settings = dict(zip(VARIANTS, (grid, {**grid, "staircase": "kept"}, tolerance), strict=True))
+        yield Problem(name, profile, loads, {own: Variant(own.split()[0], settings[own]) for own in methods})
         count -= loads.size
 
 
@@ -78,15 +60,16 @@ def _choice(random: Generator, kinds: Sequence[Kind]) -> Kind:
     return kinds[int(random.integers(len(kinds)))]
 
 
-def _series(random: Generator, family: Family) -> Profile:
+def _series(random: Generator, name: str) -> Profile:
     """Draw a series of at most `MAX_WAVES` waves per period."""
+    ratios, terms = SERIES[name]
     while True:
-        gamma, m = _choice(random, family.gamma), int(random.integers(family.few, family.many + 1))
+        gamma, m = _choice(random, ratios), int(random.integers(terms.start, terms.stop))
         if Fraction(gamma).numerator ** (m - 1) <= MAX_WAVES:
             break
     distance = 10 ** random.uniform(-9, -1)
-    extremes = 1 + distance, 2 - distance
-    D = _choice(random, extremes) if family.extreme_dimension else random.uniform(1.02, 1.98)
+    near = 1 + distance, 2 - distance
+    D = _choice(random, near) if name == "D near 1 and 2" else random.uniform(1.02, 1.98)
     waves = np.array(Profile(D, gamma, m).waves_per_period, float)
     phases = _choice(random, (any_phases, near_symmetry, aligned))(random, waves)
     return Profile(D, gamma, m, tuple(phases.tolist()))
@@ -173,13 +156,10 @@ def _near(random: Generator) -> Array:
 # Settings of boundary elements.
 
 
-def points(random: Generator, profile: Waves) -> Settings:
-    """Draw the default of 64 points per wave, or another number, such as the 12 of the paper, or an odd one."""
-    return {"points_per_wave": int(random.choice([12, 13, 16, 32, 37, 64, 64, 64, 101, 128]))}
-
-
-def tolerances(random: Generator, profile: Waves) -> Settings:
-    """Draw tolerances of 1e-6 to 0.1 g_0, which give any number of points."""
+def mesh(random: Generator, profile: Waves) -> Settings:
+    """Draw points per wave, as the default of 64, the 12 of the paper, or an odd number, or a tolerance."""
+    if random.integers(2) == 0:
+        return {"points_per_wave": int(random.choice([12, 13, 16, 32, 37, 64, 64, 64, 101, 128]))}
     while True:
         tolerance = 10 ** random.uniform(-6, -1)
         if bem.points_of(profile, tolerance) <= MAX_POINTS:

@@ -17,11 +17,11 @@ import numpy as np
 
 from weier.accuracy import multiprecision
 from weier.accuracy.cosines import shifted
-from weier.accuracy.runner import Outcome, Run, Variant, attempt
+from weier.accuracy.runner import Run, Variant, attempt
 from weier.kernels.arrays import Array
 from weier.methods import layer, patches
 from weier.methods.errors import ConvergenceError
-from weier.methods.method import Method
+from weier.methods.registry import find_method
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves, resolvable
 
@@ -64,44 +64,41 @@ def _sums(terms: Callable[..., multiprecision.Pair], profile: Profile, loads: Ar
 
 
 def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
-    """Return the layer on twice the points, with a quarter of the error; None for a series that takes minutes."""
+    """Return the layer on twice the points, with a quarter of the error; None if it fails or takes minutes."""
     if 10 < profile.m < math.inf:  # more scales take minutes at this accuracy
         return None
-    finer = layer.curve(profile, loads, points=2 * layer.POINTS, accuracy=1e-6)
-    return Reference(np.stack([finer.compliance, finer.resistance]))
+    with suppress(ConvergenceError):
+        finer = layer.curve(profile, loads, points=2 * layer.POINTS, accuracy=1e-6)
+        return Reference(np.stack([finer.compliance, finer.resistance]))
+    return None
 
 
 # reference of each estimate by name, which separates its numerical error from its model error
-ESTIMATE_REFERENCES: dict[str, Callable[[Profile, Array], Reference | None]] = {
+ESTIMATE_REFERENCES: dict[str, Callable[[Any, Array], Reference | None]] = {
     "archard": partial(_sums, multiprecision.archard),
     "demelio": partial(_sums, multiprecision.demelio),
     "layer": _finer_layer,
 }
 
 
-def find_reference(method: Method, profile: Profile, loads: Array, result: Run) -> Reference:
-    """Return the reference of a method at these loads; NaN without a result or an affordable reference.
+def own_reference(variant: Variant, profile: Waves, loads: Array, result: Run) -> Reference:
+    """Return the reference of a method; NaN at loads that it refuses, and where no reference is affordable.
 
     For one wave all methods are exact. Otherwise estimates have references of their own, and methods that are
     numerical or state errors are compared with the exact contact.
     """
-    values, uncertainty = np.full((2, loads.size), math.nan, object), np.zeros((2, loads.size))
-    solved = result.outcome == Outcome.finite
-    if solved.any() and (known := _look_up(method, profile, loads[solved], result)):
+    method, solved = find_method(variant.method), result.solved
+    values, uncertainty, p = np.full((2, loads.size), math.nan, object), np.zeros((2, loads.size)), loads[solved]
+    known: Reference | None = None
+    if p.size and profile.m != 1 and method.name in ESTIMATE_REFERENCES:
+        known = ESTIMATE_REFERENCES[method.name](profile, p)
+    elif p.size and (profile.m == 1 or method.numerical or bool(np.isfinite(result.stated[0]).any())):
+        in_reach = math.isfinite(profile.m) and resolvable(profile)
+        if in_reach and patches.METHOD.seconds(profile, p) <= MAX_REFERENCE_SECONDS:
+            known = contact_reference(profile, tuple(p.tolist()))
+    if known:
         values[:, solved], uncertainty[:, solved] = known
     return Reference(values, uncertainty)
-
-
-def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Reference | None:
-    if profile.m != 1 and method.name in ESTIMATE_REFERENCES:
-        with suppress(ConvergenceError):
-            return ESTIMATE_REFERENCES[method.name](profile, loads)
-        return None
-    solves_series = profile.m == 1 or method.numerical or bool(np.isfinite(result.stated[0]).any())
-    in_reach = math.isfinite(profile.m) and resolvable(profile)
-    if solves_series and in_reach and patches.METHOD.seconds(profile, loads) <= MAX_REFERENCE_SECONDS:
-        return contact_reference(profile, tuple(loads.tolist()))
-    return None
 
 
 @cache  # all methods on one profile share it

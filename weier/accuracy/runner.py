@@ -5,22 +5,18 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Mapping
-from enum import IntEnum
 from pathlib import Path
 from time import process_time
 from traceback import extract_tb
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weier.api.task import CurveTask
 from weier.digests import PACKAGE
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Flags
 from weier.methods.curve import QUANTITIES
 from weier.methods.errors import ConvergenceError
-from weier.methods.method import Method
-from weier.methods.registry import find_method
 from weier.surface.waves import Waves
 
 MAX_POINTS = 100_000  # Points per period of boundary elements; a load then takes tens of milliseconds.
@@ -39,21 +35,20 @@ class Variant(NamedTuple):
         return " ".join(map(str, (self.method, *self.settings.values())))
 
 
-class Outcome(IntEnum):
-    """The outcome of the solution at a load."""
+class Problem(NamedTuple):
+    """A named surface with increasing loads in p_0*, and the variants that are compared on it, by name."""
 
-    finite = 1
-    clear_error = 2
-    unclear_error = 3
-    not_finite = 4
+    name: str
+    profile: Waves
+    loads: Array
+    variants: Mapping[str, Variant]
 
 
 class Run(NamedTuple):
     """The results of a variant for some loads.
 
-    values : compliance and resistance, in g_0 and g_0/p_0*, shape (2, loads), NaN where there is none
+    values : compliance and resistance, in g_0 and g_0/p_0*, shape (2, loads), NaN at loads that are refused
     stated : errors of both stated by the method, shape (2, loads), NaN where it states none
-    outcome : outcome at each load, shape (loads,)
     seconds : processor time
     others : further results of the method, by name
     message : kind and text of the first error, empty if there was none
@@ -62,11 +57,15 @@ class Run(NamedTuple):
 
     values: Array
     stated: Array
-    outcome: NDArray[np.int8]
     seconds: float = np.nan
     others: Mapping[str, Any] = {}
     message: str = ""
     warned: tuple[str, ...] = ()
+
+    @property
+    def solved(self) -> Flags:
+        """Whether there is a compliance and a resistance at each load."""
+        return np.asarray(np.isfinite(self.values).all(axis=0))
 
 
 def run(variant: Variant, profile: Waves, loads: Array, repeat: int = 1) -> Run:
@@ -81,39 +80,38 @@ def run(variant: Variant, profile: Waves, loads: Array, repeat: int = 1) -> Run:
     found = solved.values()
     values = np.stack([found[name] for name in QUANTITIES])
     stated = np.stack([found.get(f"{name}_error", np.full(loads.size, np.nan)) for name in QUANTITIES])
-    outcome = np.where(np.isfinite(values).all(axis=0), Outcome.finite, Outcome.not_finite).astype(np.int8)
-    return Run(values, stated, outcome, sorted(seconds)[len(seconds) // 2], found)
+    return Run(values, stated, sorted(seconds)[len(seconds) // 2], found)
 
 
-def attempt(variant: Variant, profile: Waves, loads: Array) -> Run:
-    """Solve all loads as one curve and, after an error, each load separately. Errors are results, and not raised."""
+def attempt(variant: Variant, profile: Waves, loads: Array, repeat: int = 1) -> Run:
+    """Solve all loads as one curve and, after an error with a message of weier, each load separately.
+
+    Raises
+    ------
+    RuntimeError
+        If a method fails otherwise, or returns a number that is not finite.
+    """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            found = run(variant, profile, loads)
-        except TimeoutError:  # raised by the caller's handler of signals, such as a time limit: no result of a method
-            raise
-        except Exception as error:  # a fault of a method is a result, too
-            message, none = f"{type(error).__name__}: {error}", np.full((2, loads.size), np.nan)
-            outcome = Outcome.clear_error if is_clear(error, find_method(variant.method)) else Outcome.unclear_error
-            found = Run(none, none, np.full(loads.size, outcome, np.int8), message=message)
-            if loads.size > 1:
-                parts = [attempt(variant, profile, loads[i : i + 1]) for i in range(loads.size)]
-                values, stated, outcomes = (
-                    np.concatenate([getattr(part, name) for part in parts], axis=-1)
-                    for name in ("values", "stated", "outcome")
-                )
-                warned = sum((part.warned for part in parts), ())
-                found = Run(values, stated, outcomes, message=message, warned=warned)
+            found = run(variant, profile, loads, repeat)
+        except (ValueError, ConvergenceError) as error:
+            if not is_clear(error):
+                raise RuntimeError(f"{variant.name} fails without a clear message: {error}") from error
+            parts = [attempt(variant, profile, load) for load in np.split(loads, loads.size) if loads.size > 1]
+            parts = parts or [Run(np.full((2, 1), np.nan), np.full((2, 1), np.nan))]
+            values, stated = (np.hstack([getattr(part, name) for part in parts]) for name in ("values", "stated"))
+            warned = sum((part.warned for part in parts), ())
+            found = Run(values, stated, message=f"{type(error).__name__}: {error}", warned=warned)
+        else:
+            if not found.solved.all():
+                raise RuntimeError(f"{variant.name} returns numbers that are not finite")
     warned = (*(str(warning.message) for warning in caught), *found.warned)
     return found._replace(warned=tuple(dict.fromkeys(warned)))
 
 
-def is_clear(error: Exception, method: Method) -> bool:
-    """Return whether weier, or the file of the method, raised the error on purpose, and its text has no NaN."""
+def is_clear(error: Exception) -> bool:
+    """Return whether weier raised the error on purpose, and its text has no NaN, which would not help the user."""
     last, text = extract_tb(error.__traceback__)[-1], str(error)
-    source_file = getattr(getattr(method.solve, "__code__", None), "co_filename", None)
-    own = PACKAGE in Path(last.filename).parents or last.filename == source_file
-    deliberate = own and str(last.line).startswith("raise") and isinstance(error, ValueError | ConvergenceError)
-    # A message that contains them does not help the user.
+    deliberate = PACKAGE in Path(last.filename).parents and str(last.line).startswith("raise")
     return deliberate and bool(text) and not re.search(r"\b(nan|inf of|of inf)\b", text)
