@@ -40,16 +40,6 @@ def contact():
     return data
 
 
-class Map:
-    """The interface of a topography for Trace.of."""
-
-    physical_sizes, unit = (1e-3, 1e-3), "m"
-
-    def heights(self):
-        """Heights of two lines along x."""
-        return np.column_stack([HEIGHTS, HEIGHTS])
-
-
 # Sound values of the arguments, by their names; a function may have others.
 SOUND = {
     "profile": PROFILE,
@@ -85,9 +75,6 @@ SOUND = {
     "detrend": "tilt",
     "max_gap": 5,
     "missing_value": -9999.0,
-    "line": 1,
-    "across": "x",
-    "topography": Map(),
     "longest": 9e-4,
     "hurst": 0.8,
     "rolloff": 5e-4,
@@ -211,9 +198,9 @@ numbers = (
 )
 anything = st.none() | never | arrays_of_none | numbers | st.just(PROFILE) | st.just([PROFILE])
 
-NAMES = {"method", "quantity", "study", "path", "source", "ends", "detrend", "across"}
+NAMES = {"method", "quantity", "study", "path", "source", "ends", "detrend"}
 UNITS = {"unit", "x_unit", "height_unit"}
-NOT_NUMBERS = {"profile", "surface", "subject", "trace", "topography", "data", "contact_edges", *NAMES, *UNITS}
+NOT_NUMBERS = {"profile", "surface", "subject", "trace", "data", "contact_edges", *NAMES, *UNITS}
 TEXT_TOO = {"gamma"}
 TEXTS = {"compliance", "resistance"}  # that settings with a text as their default take
 NONE_TOO = {
@@ -222,7 +209,6 @@ NONE_TOO = {
     "densities": {"pressure", "gap"},
     "Profile.sampled_height": {"terms"},
     "Trace": {"shortest", "missing_value"},
-    "Trace.of": {"line"},
     "Trace.sampled_height": {"terms"},
     "fit": {"longest", "shortest"},
     "Interface": {"E_1", "E_2", "k_1", "k_2", "hardness_1", "hardness_2"},

@@ -28,8 +28,8 @@ def described(command):
 
 
 EXAMPLES = list(dict.fromkeys(shlex.join(found) for name in COMMANDS for found in examples(described(name))))
-# Those that need a file of curves, or of an instrument.
-EXAMPLES = [found for found in EXAMPLES if not found.startswith("weier table") and "map.x3p" not in found]
+# Those of `weier table` need a file of curves.
+EXAMPLES = [found for found in EXAMPLES if not found.startswith("weier table")]
 
 
 @pytest.mark.second_attempt  # under some loads of the trace of these examples

@@ -13,7 +13,6 @@ from weier.figures import many_curves, scene_checks
 from weier.pipeline.gather import read_study
 from weier.scene import BY_DEFAULT, Case
 from weier.scene.case import trace_files
-from weier.surface.measured import instruments
 
 X = 1e-6 * np.arange(64)
 HEIGHTS = 1e-6 * np.cos(2 * np.pi * X / 64e-6) + 2e-7 * np.sin(2 * np.pi * X / 16e-6)
@@ -180,35 +179,6 @@ def test_methods_of_the_series_alone_have_no_curve_of_a_trace(folder):
                 [True] * len(loaded.loads),
                 [False] * len(loaded.loads),
             ]
-
-
-class Map:
-    """The interface of a topography for Trace: three lines along x."""
-
-    physical_sizes, unit = (64e-6, 3e-6), "m"
-
-    def heights(self):
-        """Of each line, its own."""
-        return np.column_stack([HEIGHTS, 2 * HEIGHTS, 3 * HEIGHTS])
-
-
-def test_each_line_of_a_map_is_a_case(folder, monkeypatch):
-    (folder / "map.x3p").write_bytes(b"\0")
-    monkeypatch.setattr(instruments, "_read_once", lambda *_: (Map(), True))
-    of_map = {"file": "map.x3p", "ends": "periodic"}
-    all_lines = {"trace": of_map | {"across": "x"}, "methods": ["bem"]}
-    one_line = {"trace": of_map | {"line": 1}, "methods": ["bem"]}
-    loaded = load(folder, studies={"all": all_lines, "one": one_line}, figures={})
-    names = [case.profile.source for case in loaded.studies["all"]]
-    assert names == ["map.x3p, x 0", "map.x3p, x 1", "map.x3p, x 2"]
-    assert [case.profile.source for case in loaded.studies["one"]] == ["map.x3p, x 1"]
-    assert len(loaded.distinct) == 3
-    with pytest.raises(scene.SceneError, match=r"max_cases: .*at most 2 cases, got 3"):
-        load(folder, studies={"all": all_lines}, figures={}, max_cases=2)
-    with pytest.raises(
-        scene.SceneError, match=r"trace\.file: .*map\.x3p: a map of 64 by 3 heights has many lines: say line=0"
-    ):
-        load(folder, studies={"all": {"trace": of_map, "methods": ["bem"]}}, figures={})
 
 
 def mine(methods=("bem",), **options):

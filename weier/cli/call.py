@@ -21,7 +21,7 @@ from weier.methods.load_progress import INTERRUPTIONS
 from weier.methods.registry import default_method, find_method
 from weier.methods.settings import TOLERANCE
 from weier.scene import BY_DEFAULT, Figure, Grouping
-from weier.scene.case import read_traces
+from weier.scene.case import read_trace
 from weier.scene.trace_keys import TRACE_KEYS
 from weier.scene.yaml import parse_yaml
 from weier.surface.loads import listed_loads
@@ -156,9 +156,7 @@ def _surface(trace_file: Path | None, given: Mapping[str, Any]) -> Waves:
     if series and (trace_file is not None or len(series) < len(given)):
         raise click.UsageError(f"take a series, or --trace with its options, got both: {', '.join(given)}")
     if trace_file is not None:
-        if len(lines := traces_of(trace_file, given)) > 1:
-            raise click.UsageError(f"{trace_file} has {len(lines)} lines: name one by --line")
-        return lines[0]
+        return trace_of(trace_file, given)
     if not {*SERIES[:3]} <= series.keys():
         raise click.UsageError("a profile takes -D, --gamma and -m, or --trace with a file")
     if len(series.get("phases", ())) == 1:
@@ -166,6 +164,6 @@ def _surface(trace_file: Path | None, given: Mapping[str, Any]) -> Waves:
     return Profile(**series)
 
 
-def traces_of(file: Path, options: Mapping[str, Any]) -> list[Trace]:
-    """Return the lines of a file by the options of a command, or the gaps to the line of another body."""
-    return read_traces({"file": str(file)} | {name: value for name, value in options.items() if value is not None})
+def trace_of(file: Path, options: Mapping[str, Any]) -> Trace:
+    """Return the trace of a file by the options of a command, or its gap to the trace of another body."""
+    return read_trace({"file": str(file)} | {name: value for name, value in options.items() if value is not None})

@@ -41,7 +41,7 @@ def solve(output: Path | None, force: bool, workers: int, **given: Any) -> None:
     weier solve -D 1.25 --gamma 5 -m inf --tolerance 1e-2
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points_per_wave=256
     weier solve --trace lab.txt --skip 12 --columns 0,2 --decimal , --unit um
-    weier solve --trace map.x3p --line 120 --detrend form --max-gap 5
+    weier solve --trace shaft.csv --detrend form --max-gap 5
     weier solve --trace shaft.csv --against bush.csv --si bodies.yaml --pressures 1,10MPa
     """
     # xarray takes half a second, and the help of the commands needs none of these

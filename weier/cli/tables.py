@@ -138,9 +138,9 @@ def report(
 
 def _lines(files: Sequence[Path], trace_options: dict[str, Any]) -> list[Trace]:
     """Return the distinct lines of all files; ValueError unless they have one shortest wavelength, within 1 %."""
-    from weier.cli.call import traces_of
+    from weier.cli.call import trace_of
 
-    lines = {line.digest: line for file in files for line in traces_of(file, trace_options)}
+    lines = {line.digest: line for line in (trace_of(file, trace_options) for file in files)}
     shortest = sorted(line.shortest for line in lines.values())
     if shortest[-1] > (1 + CLOSE_CUTOFFS) * shortest[0]:
         raise ValueError(

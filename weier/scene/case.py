@@ -128,9 +128,8 @@ def trace_files(file: str, folder: Path) -> list[str]:
 def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
     """Return the parameters of a case for each trace that a key `trace` describes, with digests of the heights.
 
-    There are several if all lines of a map are wanted, if the file is a pattern, and if several wavelengths are given
-    for `shortest`. They are named by the path of the file in the scene, which distinguishes files of the same name in
-    two folders.
+    There are several if the file is a pattern, and if several wavelengths are given for `shortest`. They are named by
+    the path of the file in the scene, which distinguishes files of the same name in two folders.
     """
     traces = []
     for file, wavelength in itertools.product(trace_files(values["file"], folder), values.get("shortest", [None])):
@@ -140,9 +139,8 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, 
         if "longest" in values:  # its value is in m
             own["longest"] *= UNITS[values.get("unit", values.get("x_unit", "m"))]
         own = {name: value for name, value in own.items() if value is not None}
-        for trace in read_traces(own):
-            line = {} if trace.line is None else {"line": trace.line}
-            traces.append(own | line | {"name": trace.source, "digest": trace.digest})
+        trace = read_trace(own)
+        traces.append(own | {"name": trace.source, "digest": trace.digest})
     return traces
 
 
@@ -161,41 +159,37 @@ def _trace(parameters: Mapping[str, Any]) -> Trace:
     """Return a random line, or the trace of a file; ValueError if it has changed since its digest was computed."""
     if HURST in parameters:
         return gaussian(**parameters)
-    trace = read_traces(parameters)[0]
+    trace = read_trace(parameters)
     if parameters["digest"] != trace.digest:
         files = " or ".join(parameters[name] for name in ("file", AGAINST) if name in parameters)
         raise ValueError(f"{files} has changed since its scene was read: run snakemake again")
     return trace
 
 
-def read_traces(parameters: Mapping[str, Any]) -> list[Trace]:
-    """Return the traces of a file, or the gaps between these and the trace of another body.
+def read_trace(parameters: Mapping[str, Any]) -> Trace:
+    """Return the trace of a file, or the gap between it and the trace of another body.
 
     The parameters are keywords of `Trace.read`, with `file` in place of `path`, and `against`.
     """
-    traces = _file_traces(parameters)
+    trace = _file_trace(parameters)
     if AGAINST not in parameters:
-        return traces
+        return trace
     file = parameters[AGAINST]
-    others = _file_traces({**parameters, "file": file, "source": readable(Path(file).name)})
-    if len(others) > 1:
-        raise ValueError(f"{AGAINST} must be a file of one line, got {len(others)} lines of {file}: name one by line")
-    return [Trace.between(trace, others[0]) for trace in traces]
+    return Trace.between(trace, _file_trace({**parameters, "file": file, "source": readable(Path(file).name)}))
 
 
-def _file_traces(parameters: Mapping[str, Any]) -> list[Trace]:
-    """Return the traces of a file, cached by the digest of its content."""
+def _file_trace(parameters: Mapping[str, Any]) -> Trace:
+    """Return the trace of a file, cached by the digest of its content."""
     with checked_file(parameters["file"]).open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
     others = ("file", AGAINST, "name", "digest", "longest")
     options = {name: value for name, value in parameters.items() if name not in others}
     try:
-        found = _read_once(json.dumps({"path": parameters["file"], **options}), digest)
+        return _read_once(json.dumps({"path": parameters["file"], **options}), digest)
     except ValueError as error:
         raise ValueError(f"{readable(parameters['file'])}: {error}") from None
-    return [found] if isinstance(found, Trace) else found
 
 
 @lru_cache(maxsize=KEPT_TRACES)
-def _read_once(arguments: str, digest: str) -> Any:
+def _read_once(arguments: str, digest: str) -> Trace:
     return Trace.read(**json.loads(arguments))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from weier.surface.measured.artefacts import DETREND
-from weier.surface.measured.instruments import AXES
 from weier.surface.measured.lines import UNITS
 from weier.surface.measured.trace import ENDS, MIRRORED
 
@@ -21,7 +20,7 @@ class TraceKey(NamedTuple):
 TRACE_KEYS = {
     "against": TraceKey(
         str,
-        "File of the other body, one line that is read as this one: the surface is the sum of both heights, as of "
+        "File of the other body, which is read as this one: the surface is the sum of both heights, as of "
         "weier.Trace.between.",
     ),
     "shortest": TraceKey(
@@ -49,6 +48,4 @@ TRACE_KEYS = {
     ),
     "max_gap": TraceKey(int, "Longest run of missing heights that is interpolated; 0, the default, refuses any."),
     "missing_value": TraceKey(float, "Numbers for missing heights, in the unit of the heights.", several=True),
-    "line": TraceKey(int, "Index of the line of a map, from 0; with across alone, each line is a case."),
-    "across": TraceKey(AXES, "Axis of the lines of a map, across its grooves."),
 }

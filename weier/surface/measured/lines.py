@@ -66,21 +66,14 @@ class Line(NamedTuple):
 
     heights : array, shape (samples,); masked, NaN or None for missing heights
     positions : array, shape (samples,), along the line; None if it has none
-    length : length of the line, the number of heights times the step; None if unknown
-    x_unit, height_unit : the units that are named for positions and length, and for heights; empty if none is
-    periodic : whether the surface is known to repeat
-    axis, number : for a line of a map, the axis that it runs along and its number among these lines
+    x_unit, height_unit : the units that are named for positions and for heights; empty if none is
     numbers : in a file of text, the number of the line of each height, from 1
     """
 
     heights: Any
     positions: Any = None
-    length: float | None = None
     x_unit: str = ""
     height_unit: str = ""
-    periodic: bool = False
-    axis: str = ""
-    number: int | None = None
     numbers: tuple[int, ...] = ()
 
     def place(self, at: int) -> str:
@@ -93,11 +86,6 @@ class Line(NamedTuple):
         if x.ndim != 1 or x.size < 2 or not (np.diff(x) <= 0).all():
             return self
         return self._replace(heights=self.heights[::-1], positions=x[::-1], numbers=self.numbers[::-1])
-
-    @property
-    def name(self) -> str:
-        """Label of the line in a map, as in "x 120"; empty if it is not from a map."""
-        return f"{self.axis} {self.number}" if self.axis else ""
 
 
 def length_of_steps(x: Array, length: float | None, place: Callable[[int], str]) -> float:
@@ -145,7 +133,7 @@ def line_from_array(heights: Any) -> Line:
     if len(dims) == 1 and dims[0] in getattr(heights, "coords", ()):
         coordinate = heights.coords[dims[0]]
         if x_unit := length_unit(unit_of(coordinate)):
-            return Line(heights, coordinate.values, None, x_unit, height_unit)
+            return Line(heights, coordinate.values, x_unit, height_unit)
     return Line(heights, height_unit=height_unit)
 
 

@@ -40,15 +40,11 @@ GROUPS_OF_THREE = re.compile(r"[+-]?(\d{1,3}|[1-9]\d{0,2}([.,]\d{3})+)", re.ASCI
 PANDAS = "read the file by pandas.read_csv and pass the arrays to weier.Trace"
 
 
-class NotTextError(ValueError):
-    """Raised for a file that is not text, but may be in the format of an instrument."""
-
-
 def read_columns(path: Path, **layout: Any) -> Line:
     """Return the line of heights in a file of text, with `skip`, `rows`, `columns`, `decimal` of `weier.Trace.read`.
 
-    NotTextError is raised if the file is no text, and ValueError if something in the table is not read, or may or may
-    not belong to it; the message has the number of the line and the arguments that settle it.
+    ValueError is raised if the file is no text, or if something in the table is not read, or may or may not belong to
+    it; the message has the number of the line and the arguments that settle it.
     """
     return _Table(path, **layout).line()
 
@@ -275,8 +271,9 @@ def _text(path: Path) -> str:
         text = content.removeprefix(b"\xef\xbb\xbf").decode("cp1252", "replace")
     if first := BINARY.search(text):
         line = text.count("\n", 0, first.start()) + 1
-        raise NotTextError(
+        raise ValueError(
             f"{path} is no text, got the control character {first[0]!r} in line {line}: save the heights as text, "
-            f"such as the sheet of a workbook as CSV, unpack an archive, leave the character out, or {PANDAS}"
+            f"such as the sheet of a workbook as CSV, unpack an archive, leave the character out, or {PANDAS}, or a "
+            "file of an instrument by SurfaceTopography"
         )
     return text

@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import math
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -24,8 +24,8 @@ from weier import units
 from weier.checks import checked_file, checked_number, checked_word, readable, shown
 from weier.kernels.arrays import Array, Indices
 from weier.surface.measured import artefacts as measured
-from weier.surface.measured.instruments import read_lines, topography_lines
 from weier.surface.measured.lines import UNITS, Line, known_unit, length_of_steps, line_from_array
+from weier.surface.measured.text import read_columns
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import MAX_WAVES, Waves
 
@@ -82,8 +82,6 @@ class Trace(Waves):
         Units of lengths and heights, in m: the length of the trace and the root mean square of its waves.
     samples, digest : int, str
         Number of heights, and a digest of the heights that are solved and of their processing, twelve letters.
-    line : int or None
-        Index of the line in a map.
     filled : int
         Number of missing heights that are interpolated.
     amplitude, phase : ndarray, shape (m,)
@@ -120,7 +118,6 @@ class Trace(Waves):
     detrend: str
     filled: int
     source: str
-    line: int | None
     digest: str
     period: int
     m: int
@@ -178,7 +175,6 @@ class Trace(Waves):
                 "detrend": detrend,
                 "filled": filled,
                 "source": source,
-                "line": one.number,
                 "digest": digest_of(contents.encode() + level.tobytes()),
                 "period": period,
             },
@@ -207,8 +203,8 @@ class Trace(Waves):
         return hash(self._identity)
 
     @property
-    def _identity(self) -> tuple[str, str, int | None]:
-        return self.digest, self.source, self.line
+    def _identity(self) -> tuple[str, str]:
+        return self.digest, self.source
 
     @classmethod
     def read(
@@ -220,15 +216,13 @@ class Trace(Waves):
         x_unit: str | None = None,
         height_unit: str | None = None,
         *,
-        line: int | None = None,
-        across: str | None = None,
         skip: int | None = None,
         rows: int | None = None,
         columns: int | Sequence[int] | None = None,
         decimal: str | None = None,
         **options: Any,
-    ) -> Any:
-        """Return a trace from a file of text with one or two columns, or from a file that an instrument wrote.
+    ) -> Trace:
+        """Return a trace from a file of text with one or two columns.
 
         Parameters
         ----------
@@ -237,9 +231,7 @@ class Trace(Waves):
             stand between semicolons, tabs, commas or blanks. The table is one block of lines, and the heading
             directly above it may name the units, as in `x (mm),z (um)`. The lines above and below are left out.
             Whatever else is not read as numbers is refused with its line: `pandas.read_csv` reads further dialects,
-            whose arrays `weier.Trace` takes. Other files are read by
-            SurfaceTopography, which `pip install 'weier[instruments]'` brings: x3p, sdf, opd, opdx, sur, plu, al3d
-            and some thirty more formats.
+            and SurfaceTopography the formats of instruments, and `weier.Trace` takes their arrays.
         length : float, optional
             Length of the trace, if it is not in the file: in m, or in `x_unit` or `unit` where one is given.
         shortest, ends
@@ -247,81 +239,33 @@ class Trace(Waves):
         x_unit, height_unit : str, optional
             Units of positions and heights, whatever the file says of them. `unit` is for both, and must agree with
             the file.
-        line : int, optional
-            Which line of a map, from 0.
-        across : "x" or "y", optional
-            The axis along which lines of a map run, across its grooves: "x" where there is a `line`. Without one, all
-            lines of the map are returned.
         skip, rows : int, optional
-            The number of lines above the table in a file of text, and of rows in the table.
+            The number of lines above the table, and of rows in the table.
         columns : int or (int, int), optional
-            The column of the heights in a file of text, from 0, or those of the positions and of the heights.
+            The column of the heights, from 0, or those of the positions and of the heights.
         decimal : "." or ",", optional
-            The sign before decimals in a file of text.
+            The sign before decimals.
         **options
             `unit`, `detrend`, `max_gap`, `missing_value` and `source`, as of a trace.
 
         Returns
         -------
-        Trace or list of Trace
-            A list where `across` is given without `line`: `weier.solve` takes it as an ensemble. Lines that are
-            refused are left out of it, with a warning that says how many and why, unless they are half of all.
+        Trace
+            The source is the name of the file, unless another one is given.
 
         Raises
         ------
         FileNotFoundError
             If there is no such file.
         ValueError
-            If something in a table of text is not read, or its signs have two readings: the message has the line, and
-            the argument that settles it. If a file is no text, and SurfaceTopography cannot read it or is not
-            installed; if a unit is unknown; or if its heights are no roughness.
+            If something in the table is not read, or its signs have two readings: the message has the line, and the
+            If the file is no text, something in its table is not read, or its signs have two readings: the message
+            has the line, and the argument that settles it. If a unit is unknown, or the heights are no roughness.
         """
-        layout = {"skip": skip, "rows": rows, "columns": columns, "decimal": decimal}
-        lines = [
-            one._replace(
-                length=one.length if length is None else None,
-                x_unit="" if x_unit else one.x_unit,
-                height_unit="" if height_unit else one.height_unit,
-            )
-            for one in read_lines(checked_file(path), layout, line, across)
-        ]
-        options = {
-            "source": readable(Path(path).name),
-            **options,
-            "length": length,
-            "shortest": shortest,
-            "ends": ends,
-            "x_unit": x_unit,
-            "height_unit": height_unit,
-        }
-        return cls._from_lines(lines, across is not None and line is None, options)
-
-    @classmethod
-    def of(cls, topography: Any, line: int | None = None, across: str | None = None, **options: Any) -> Any:
-        """Return a trace from an object of SurfaceTopography: a line scan, or a line of a map.
-
-        Parameters
-        ----------
-        topography : UniformLineScan, NonuniformLineScan or Topography
-            With its unit, sizes and masked heights. One that is periodic has `ends` "periodic".
-        line, across
-            As of `read`.
-        **options
-            As of a trace.
-
-        Returns
-        -------
-        Trace or list of Trace
-            A list where `across` is given without `line`, as of `read`.
-
-        Raises
-        ------
-        ValueError
-            If it is no topography, is a map and no line is chosen, has no unit or contradicts one that is given, or
-            if its heights are no roughness.
-        """
-        lines = topography_lines(topography, line, across)
-        return cls._from_lines(lines, across is not None and line is None, options)
+        one = read_columns(checked_file(path), skip=skip, rows=rows, columns=columns, decimal=decimal)
+        named = one._replace(x_unit="" if x_unit else one.x_unit, height_unit="" if height_unit else one.height_unit)
+        options = {"source": readable(Path(path).name), **options, "x_unit": x_unit, "height_unit": height_unit}
+        return cls(named, length, shortest, ends, **options)
 
     @classmethod
     def between(cls, first: Trace, second: Trace, source: str = "") -> Trace:
@@ -398,27 +342,8 @@ class Trace(Waves):
     def from_waves(cls, waves: Indices, coefficient: Any, **fields: Any) -> Trace:
         """Return the trace of waves, by their numbers in a period and complex amplitudes in m, and other fields."""
         trace = object.__new__(cls)
-        trace._set(waves, coefficient, {"filled": 0, "line": None, **fields})
+        trace._set(waves, coefficient, {"filled": 0, **fields})
         return trace
-
-    @classmethod
-    def _from_lines(cls, lines: Iterable[Line], several: bool, options: Mapping[str, Any]) -> Any:
-        """Return the trace of one line, or a list for several lines; refused lines are left out of the list."""
-        traces: list[Trace] = []
-        refused: list[ValueError] = []
-        for one in lines:
-            ends = {"ends": PERIODIC} if one.periodic else {}
-            source = ", ".join(filter(None, (options.get("source", ""), one.name)))
-            try:
-                traces.append(cls(one, **{**ends, **options, "source": source}))
-            except ValueError as error:
-                refused.append(ValueError(f"line {one.name}: {error}") if one.name else error)
-        if refused and len(refused) >= len(traces):
-            raise refused[0] from None
-        if refused:
-            refused_count = f"{len(refused)} of {len(refused) + len(traces)} lines"
-            warnings.warn(f"{refused_count} are left out, for reasons such as: {refused[0]}", stacklevel=3)
-        return traces if several else traces[0]
 
     @cached_property
     def total_amplitude(self) -> float:
@@ -476,25 +401,19 @@ def _checked_detrend(detrend: str | None, ends: str) -> str:
 
 
 def _length(one: Line, length: float | None, given: Mapping[str, Any]) -> float:
-    """Return the length of the line, in m, from the call, the positions or the file."""
+    """Return the length of the line, in m, from the call or the positions."""
     if length is not None:
         unit_of_call = next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")
         scale = 1.0 if units.unit_of(length) else UNITS[unit_of_call]
         number = checked_number("length", length, "be positive and finite", lambda x: 0 < x < math.inf, units.METRE)
         length = number if scale == 1 else _decimal(scale * number)
-    if one.positions is None and one.length is None:
-        known_unit("the length", given, one.x_unit, required=False)
-        if length is None:
-            raise ValueError("length must be given where heights have no positions: in m, or in x_unit")
-        return length
-    unit = UNITS[known_unit("positions", given, one.x_unit)]
     if one.positions is not None:
+        unit = UNITS[known_unit("positions", given, one.x_unit)]
         return _decimal(unit * length_of_steps(one.positions, None if length is None else length / unit, one.place))
-    own = _decimal(float(one.length or 0) * unit)
-    # Both are rounded.
-    if length is not None and abs(length / own - 1) > 0.01:
-        raise ValueError(f"length must be that of the file, {own:.6g} m, got {length:.6g} m: leave it out")
-    return own
+    known_unit("the length", given, one.x_unit, required=False)
+    if length is None:
+        raise ValueError("length must be given where heights have no positions: in m, or in x_unit")
+    return length
 
 
 def _decimal(length: float) -> float:
