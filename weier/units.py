@@ -86,7 +86,7 @@ def in_unit(name: str, values: Any, unit: str) -> Any:
         named = [unit_of(value) for value in values]
         foreign = next((given for given in named if given and factor(name, given, unit) != 1), "")
         if foreign and "" in named:
-            raise ValueError(mixed(name, foreign))
+            raise ValueError(f"{name} must all have a unit, as some are in {foreign:.{MAX_NAME}}, or none")
         return [in_unit(name, value, unit) for value in values]
     scale = factor(name, given, unit) if (given := unit_of(values)) else 1
     return bare(values) if scale == 1 else bare(values) * scale
@@ -144,11 +144,6 @@ def listed(name: str, text: str, unit: str) -> tuple[list[float], str]:
     if not (within and min(first, last) > 0 and max(first, last) < math.inf):
         raise ValueError(f"{name} must be 2 to {MAX_LISTED} positive numbers, got {text!r:.80}")
     return np.geomspace(first * scale, last * scale, int(count)).tolist(), own
-
-
-def mixed(name: str, unit: str) -> str:
-    """Return the message for a list in which only some numbers have a unit."""
-    return f"{name} must all have a unit, as some are in {unit:.{MAX_NAME}}, or none"
 
 
 def bare(values: Any) -> Any:

@@ -14,7 +14,7 @@ def write(folder, product=None, other_studies=None, without="", **figure):
     fixed = {"D": 1.5, "gamma": 2, "m": 2}
     text = {
         "title": "test",
-        "loads": [0.1],
+        "loads": [0.1, 1.0],
         "methods": ["layer", "bem"],
         "studies": {"one": {"product": fixed | (product or {})}} | (other_studies or {}),
         "figures": {"f": {"draw": "compliance", "studies": ["one"]} | figure},

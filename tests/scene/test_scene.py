@@ -102,7 +102,7 @@ def test_one_mistake_is_one_line_with_the_file_and_the_key(tmp_path, changes, me
         changes = product(**changes["product"]) | {key: changes[key] for key in changes if key != "product"}
     path = write(tmp_path, **changes)
     with pytest.raises(scene.SceneError, match=rf"^{re.escape(str(path))}, line \d+: {message}") as caught:
-        scene.load(path)
+        load_scene(path)
     assert "\n" not in str(caught.value)
 
 

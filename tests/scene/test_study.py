@@ -55,8 +55,8 @@ def test_a_study_has_its_own_loads(tmp_path):
     product = {"D": 1.5, "gamma": 2, "m": 2}
     studies = {"own": {"product": product, "loads": [0.2, 1.0]}, "common": {"product": product}}
     loaded = load(tmp_path, studies=studies)
-    assert loaded.study("own").products[0].loads.tolist() == [0.2, 1.0]
-    assert loaded.study("common").products[0].loads.tolist() == [0.1, 1.0]
+    assert loaded.studies["own"].products[0].loads.tolist() == [0.2, 1.0]
+    assert loaded.studies["common"].products[0].loads.tolist() == [0.1, 1.0]
     assert loaded.loads.tolist() == [0.1, 0.2, 1.0]
     assert len(loaded.distinct) == 2
     assert len(load(tmp_path, studies=studies | {"own": studies["own"] | {"loads": [1.0, 0.1]}}).distinct) == 1

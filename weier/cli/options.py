@@ -86,7 +86,7 @@ def _trace_option(name: str, key: TraceKey) -> click.Option:
     return click.Option([f"--{name.replace('_', '-')}"], type=kind, help=says)
 
 
-TRACE_OPTIONS = tuple(_trace_option(name, key) for name, key in TRACE_KEYS.items() if name != "longest")
+TRACE_OPTIONS = tuple(_trace_option(name, key) for name, key in TRACE_KEYS.items())
 TOLERANCE_OPTION = click.Option(
     ["--tolerance"],
     type=float,

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from weier import scene
-from weier.checks import unknown
+from weier.checks import checked_word, unknown
 from weier.figures import KINDS
 from weier.pipeline import claims
 from weier.scene import BY_DEFAULT, Figure, Mistake, Scene
+from weier.scene.cases import NAME
 from weier.scene.figure import PHASES
 from weier.scene.study import CaseProduct
 from weier.surface.profile import PARAMETERS
@@ -46,8 +48,9 @@ def load_scene(path: str | Path) -> Scene:
 
 
 def load_by_name(name: str, folder: str | Path = "config/scenes") -> Scene:
-    """Return the scene of this name in a folder of scenes, all of it checked."""
-    return scene.load_by_name(name, folder, CHECKS)
+    """Return the scene of this name in a folder of scenes, all of it checked; ValueError if there is none."""
+    known = sorted(path.stem for path in Path(folder).glob("*.yaml") if re.fullmatch(NAME, path.stem))
+    return load_scene(Path(folder, f"{checked_word(f'a scene of {folder}', name, known)}.yaml"))
 
 
 def check_figures(loaded: Scene) -> Iterator[Mistake]:
@@ -77,6 +80,8 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
     ]
     if kind.grouped:
         yield from (("", text) for text in _hidden(figure, products))
+    if figure.draw != "profiles" and any(product.loads.size < 2 for product in products):
+        yield "studies", "a figure of curves takes at least 2 loads, got 1: give the scene or the study a range"
     others = " or ".join(name for name, kind in KINDS.items() if kind.grouped)
     if not kind.grouped and any("trace" in product.axes for product in products):
         yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {others}"

@@ -14,7 +14,7 @@ from weier.digests import numerics
 from weier.pipeline.needed_curves import SURFACE, Kind, Part
 from weier.pipeline.store import Store
 from weier.scene.case import Case
-from weier.surface.spectrum import fit_columns
+from weier.surface.spectrum import fit_labels
 
 # Seconds of work lost if a job is killed (an append takes 0.02 s), and a number of rows that fits into memory.
 APPEND_SECONDS, MAX_ROWS = 10.0, 50_000
@@ -68,8 +68,7 @@ def _row(kind: Kind, case: Case, say: Callable[[str], None]) -> dict[str, Any]:
     if kind.method == SURFACE:
         row = surface_row(case.profile)
         if "trace" in case.parameters:
-            fits = fit_columns([(case.profile, case.parameters["trace"].get("longest"))])
-            row |= {name: column[0] for name, column in fits.items()}
+            row |= fit_labels(case.profile)
         return row
     curve = kind.curve_of(case.profile)
     if isinstance(outcome := curve.outcome(), Exception):

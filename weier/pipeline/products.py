@@ -47,7 +47,7 @@ def made_of(curves: Curves, product: str) -> str:
     """Return a digest of everything that a product depends on."""
     scene = curves.scene
     studies = studies_of(scene, product)
-    cases = [[name, [digest_of_keys(part.case_keys) for part in scene.study(name).products]] for name in studies]
+    cases = [[name, [digest_of_keys(part.case_keys) for part in scene.studies[name].products]] for name in studies]
     common = [scene.name, product, numerics(), digest_of_modules(*ROOMS), cases, curves.digest(studies)]
     if product == DATA:  # SOURCE_DATE_EPOCH replaces the date and omits the seconds
         own = [scene.text, source_date()]

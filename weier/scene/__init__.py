@@ -7,7 +7,7 @@ Imports data, methods, theory, surface and kernels only, and solves nothing itse
 from weier.scene.case import Case
 from weier.scene.cases import Scene
 from weier.scene.figure import BY_DEFAULT, Figure, Grouping
-from weier.scene.file import load, load_by_name
+from weier.scene.file import load
 from weier.scene.yaml import Mistake, SceneError
 
 __all__ = [
@@ -19,5 +19,4 @@ __all__ = [
     "Scene",
     "SceneError",
     "load",
-    "load_by_name",
 ]

@@ -22,15 +22,12 @@ from weier.methods.registry import find_method
 from weier.scene.identity import keys_of, short_keys
 from weier.scene.yaml import number
 from weier.surface.gaussian import gaussian
-from weier.surface.measured.lines import UNITS
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile, checked_ratio, random_phases
 from weier.surface.waves import Waves, check_resolvable
 from weier.units import METRE, NONE
 
 DIGITS = re.compile(r"(\D*)(\d*)")  # splits file names into text and digits
-# Editors and office programs leave such copies and lock files next to a file.
-BACKUP = re.compile(r"~$|^~\$|^#.*#$|\.(bak|backup|old|orig|save|swp|tmp|part|crdownload)$", re.IGNORECASE)
 AGAINST = "against"  # key that names the trace of the other body
 HURST = "hurst"  # only random lines have this parameter
 KEPT_TRACES = 100  # traces kept in memory (at most 5 MB each), since each method reads them again
@@ -92,8 +89,7 @@ def identity(name: str, value: Any) -> Any:
     if name == "trace" and HURST in value:
         return value
     if name == "trace":
-        named = [value.get("name", value["file"]), value["digest"]]
-        return [*named, value["longest"]] if "longest" in value else named
+        return [value.get("name", value["file"]), value["digest"]]
     if name == "gamma":
         return str(checked_ratio(value))
     if name == "seed":
@@ -105,21 +101,14 @@ def identity(name: str, value: Any) -> Any:
 
 
 def trace_files(file: str, folder: Path) -> list[str]:
-    """Return the files that a name in a scene refers to: one file, or the files of a folder or a pattern.
+    """Return the files that a name in a scene refers to: one file, or the files of a pattern such as `lab/*.csv`.
 
-    The files of a folder, or of a pattern as `lab/*.csv`, are in natural order, 2 before 10, without hidden ones and
-    backup copies of editors, unless the pattern names them. FileNotFoundError is raised if there is none.
+    These are in natural order, 2 before 10, without hidden ones. FileNotFoundError is raised if there is none.
     """
-    if (folder / file).is_dir():
-        file = f"{file.rstrip('/')}/*"
-    elif glob.escape(file) == file or (folder / file).exists():
+    if glob.escape(file) == file or (folder / file).exists():
         checked_file(folder / file)
         return [file]
-    found = [
-        name
-        for name in glob.glob(file, root_dir=folder, recursive=True)
-        if (folder / name).is_file() and (BACKUP.search(file) or not BACKUP.search(Path(name).name))
-    ]
+    found = [name for name in glob.glob(file, root_dir=folder, recursive=True) if (folder / name).is_file()]
     if not found:
         raise FileNotFoundError(f"there is no file {folder / file}")
     return sorted(found, key=lambda name: [(int(part or 0), text) for text, part in DIGITS.findall(name)])
@@ -136,8 +125,6 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, 
         own = {"source": readable(file), **values, "file": str(folder / file), "shortest": wavelength}
         if AGAINST in values:
             own[AGAINST] = str(folder / values[AGAINST])
-        if "longest" in values:  # its value is in m
-            own["longest"] *= UNITS[values.get("unit", values.get("x_unit", "m"))]
         own = {name: value for name, value in own.items() if value is not None}
         trace = read_trace(own)
         traces.append(own | {"name": trace.source, "digest": trace.digest})
@@ -182,7 +169,7 @@ def _file_trace(parameters: Mapping[str, Any]) -> Trace:
     """Return the trace of a file, cached by the digest of its content."""
     with checked_file(parameters["file"]).open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
-    others = ("file", AGAINST, "name", "digest", "longest")
+    others = ("file", AGAINST, "name", "digest")
     options = {name: value for name, value in parameters.items() if name not in others}
     try:
         return _read_once(json.dumps({"path": parameters["file"], **options}), digest)

@@ -75,11 +75,8 @@ class Scene:
     @cached_property
     def distinct(self) -> list[Case]:
         """Every case once, in order of appearance: all of them in memory."""
-        products = map(self.products.__getitem__, self.product_of_cases)
-        return [
-            product.case(position)
-            for product, position in zip(products, self.position_in_product.tolist(), strict=True)
-        ]
+        cases = [*itertools.chain.from_iterable(self.studies.values())]
+        return [cases[position] for position in self._distinct[0]]
 
     @property
     def keys_of_cases(self) -> Keys:
@@ -100,11 +97,8 @@ class Scene:
 
     def cases_of_study(self, name: str) -> Indices:
         """Return the positions of a study's cases among all distinct cases, in the order of the study."""
-        study = self.study(name)
-        start = sum(
-            len(other) for other in itertools.takewhile(lambda other: other is not study, self.studies.values())
-        )
-        return self._distinct[1][start : start + len(study)]
+        ends = dict(zip(self.studies, itertools.accumulate(map(len, self.studies.values())), strict=True))
+        return self._distinct[1][ends[name] - len(self.studies[name]) : ends[name]]
 
     @cached_property
     def studies_of_cases(self) -> list[str]:
@@ -114,10 +108,6 @@ class Scene:
             own = np.unique(self.cases_of_study(name))
             found[own] = np.where(found[own] == "", name, found[own] + f", {name}")
         return found.tolist()
-
-    def study(self, name: str) -> Study:
-        """Return the cases of a study; a ValueError if there is no such study."""
-        return self.studies[checked_word(f"a study of {self.name}", name, self.studies)]
 
     def figure(self, name: str) -> Figure:
         """Return the description of a figure; ValueError if there is no such figure."""

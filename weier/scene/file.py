@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
@@ -10,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weier.checks import checked_file, checked_word, unknown
+from weier.checks import checked_file, unknown
 from weier.methods.registry import default_method, find_method
 from weier.methods.settings import TOLERANCE, checked_settings, with_tolerance
 from weier.scene.case import trace_parameters
-from weier.scene.cases import NAME, Scene
+from weier.scene.cases import Scene
 from weier.scene.study import CaseProduct, Study
 from weier.scene.yaml import Keys, Mistake, SceneError, at, number, one_line, read_yaml, scene_error
 from weier.surface.profile import PARAMETERS
@@ -38,12 +37,9 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
 
     from weier.scene.models import SceneKeys, mistakes_of
 
+    path = Path(path)
     try:
-        path = checked_file(path)
-    except FileNotFoundError as error:
-        raise SceneError(one_line(error)) from None
-    try:
-        text = path.read_text(encoding="utf-8")
+        text = checked_file(path).read_text(encoding="utf-8")
         document = read_yaml(text)
     except TimeoutError:  # the caller's time limit
         raise
@@ -60,12 +56,6 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     if mistakes:
         raise scene_error(path, document, mistakes)
     return scene
-
-
-def load_by_name(name: str, folder: str | Path = "config/scenes", checks: Sequence[Check] = ()) -> Scene:
-    """Return the scene of this name in a folder of scenes; a ValueError if there is none."""
-    known = sorted(path.stem for path in Path(folder).glob("*.yaml") if re.fullmatch(NAME, path.stem))
-    return load(Path(folder, f"{checked_word(f'a scene of {folder}', name, known)}.yaml"), checks)
 
 
 def _scene(keys: SceneKeys, text: str, path: Path) -> Scene:

@@ -37,7 +37,7 @@ from weier.scene.study import check_value
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
 from weier.scene.yaml import Keys, Mistake, number
 from weier.surface.loads import check_pascal, check_range, listed_loads
-from weier.units import NORMALISED_PRESSURE, PASCAL, factor, mixed
+from weier.units import NORMALISED_PRESSURE, PASCAL, factor
 from weier.units import NUMBER as QUANTITY
 
 ABSENT: Any = None  # default of an optional key
@@ -49,11 +49,6 @@ class Section(BaseModel):
     """A mapping in a scene file, with these keys and no others."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-    @property
-    def given(self) -> dict[str, Any]:
-        """The values of the keys in the file, in the order of the model."""
-        return {name: value for name, value in self if name in self.model_fields_set}
 
 
 def distinct(values: list[Any]) -> list[Any]:
@@ -89,7 +84,9 @@ class Range(Section):
 class LoadRange(Range):
     """Mean pressures in equal steps or ratios."""
 
-    unit: Line = Field("", description="Unit of both ends, such as MPa, for two bodies; p_0* by default.")
+    unit: Line = Field(
+        NORMALISED_PRESSURE, description="Unit of both ends, such as MPa, for two bodies; p_0* by default."
+    )
 
 
 def _number(value: Any) -> Any:
@@ -106,13 +103,13 @@ def _phase(value: Any) -> Any:
     return [_number(one) for one in value] if isinstance(value, list) else _number_or_range(value)
 
 
-def _load(value: Any) -> list[tuple[float, str]]:
-    """Return the values of a number or range, each with its unit or an empty text."""
+def _load(value: Any) -> tuple[list[float], str]:
+    """Return the values of a number or range, and their unit."""
     if isinstance(value, dict):
         found = LoadRange.model_validate(value)
-        return [(float(one), found.unit) for one in found.values()]
+        return found.values(), found.unit
     text = QUANTITY.fullmatch(value) if isinstance(value, str) else None
-    return [(float(text[1]), text[2])] if text else [(number("a load", value), "")]
+    return [float(text[1]) if text else number("a load", value)], (text and text[2]) or NORMALISED_PRESSURE
 
 
 # Kinds of values
@@ -139,7 +136,7 @@ Settings = dict[MethodName, dict[str, Any]]
 
 
 class Pressures(NamedTuple):
-    """Mean pressures, increasing, in p_0* or Pa, and the unit in which they were given; Pa if in several."""
+    """Mean pressures, increasing, in p_0* or Pa, and the unit in which they were given."""
 
     values: Sequence[float] = ()
     unit: str = NORMALISED_PRESSURE
@@ -150,18 +147,15 @@ class Pressures(NamedTuple):
         return self.unit != NORMALISED_PRESSURE
 
 
-def _pressures(parts: list[list[tuple[float, str]]]) -> Pressures:
-    """Return the loads of a scene, all with a unit of pressure or all without."""
-    given = [one for part in parts for one in part]
-    if not (named := [unit for _, unit in given if unit]):
-        loads, _ = listed_loads([value for value, _ in given])
-        check_range(loads)
-        return Pressures(loads.tolist())
-    if len(named) < len(given):
-        raise ValueError(mixed("loads", named[0]))
-    loads, _ = listed_loads([value * factor("loads", unit, PASCAL) for value, unit in given])
-    check_pascal(loads)
-    return Pressures(loads.tolist(), named[0] if len({*named}) == 1 else PASCAL)
+def _pressures(parts: list[tuple[list[float], str]]) -> Pressures:
+    """Return the loads of a scene, all in one unit of pressure or all in p_0*."""
+    unit, *others = {unit: None for _, unit in parts}
+    if others:
+        raise ValueError(f"loads must all be in one unit, got {unit} and {others[0]}")
+    scale = 1.0 if unit == NORMALISED_PRESSURE else factor("loads", unit, PASCAL)
+    loads, _ = listed_loads([scale * value for values, _ in parts for value in values])
+    (check_range if unit == NORMALISED_PRESSURE else check_pascal)(loads)
+    return Pressures(loads.tolist(), unit)
 
 
 if TYPE_CHECKING:
@@ -211,16 +205,14 @@ def _field(key: TraceKey) -> Any:
     return one, Field(ABSENT, description=key.says)
 
 
-_Trace: Any = create_model("_Trace", __base__=Section, **{name: _field(key) for name, key in TRACE_KEYS.items()})
-
-
-class TraceKeys(_Trace):  # type: ignore[misc]  # its keys are known when it runs
-    """Measured heights, as `weier.Trace.read` takes them."""
-
-    file: FileNames = Field(
-        description="A text or instrument file, a folder or a pattern such as lab/*.csv (files in natural order), or "
-        "a list of these, relative to the folder of the scene."
-    )
+FILE = Field(
+    description="A text or instrument file, or a pattern such as lab/*.csv (files in natural order), or a list of "
+    "these, relative to the folder of the scene."
+)
+# Measured heights, as `weier.Trace.read` takes them.
+TraceKeys: Any = create_model(
+    "TraceKeys", __base__=Section, file=(FileNames, FILE), **{name: _field(key) for name, key in TRACE_KEYS.items()}
+)
 
 
 class RandomKeys(Section):
@@ -246,7 +238,7 @@ class RandomKeys(Section):
     @property
     def lines(self) -> list[dict[str, Any]]:
         """The parameters of each line."""
-        return random_parameters({name: value for name, value in self.given.items() if name != "seed"}, self.seed)
+        return random_parameters(self.model_dump(exclude_unset=True, exclude={"seed"}), self.seed)
 
 
 class StudyKeys(Section):
@@ -269,17 +261,16 @@ class StudyKeys(Section):
     @property
     def products(self) -> list[tuple[Keys, dict[str, Any]]]:
         """The axes of each product with its keys in the file; each trace is a product of its own."""
-        if self.product:
-            return [(("product",), self.product.given)]
         if self.random:
             return [(("random",), {"trace": self.random.lines})]
+        if self.trace:
+            given = self.trace.model_dump(exclude_unset=True)
+            files = enumerate(self.trace.file)
+            return [(("trace", "file", position), {"trace": given | {"file": file}}) for position, file in files]
+        profiles: list[tuple[Keys, ProfileKeys]] = [(("product",), self.product)]
         if self.cases:
-            return [(("cases", position), case.given) for position, case in enumerate(self.cases)]
-        several = len(self.trace.file) > 1
-        return [
-            (("trace", "file", *[position][:several]), {"trace": self.trace.given | {"file": file}})
-            for position, file in enumerate(self.trace.file)
-        ]
+            profiles = [(("cases", position), case) for position, case in enumerate(self.cases)]
+        return [(place, profile.model_dump(exclude_unset=True)) for place, profile in profiles]
 
 
 class FigureKeys(Section):
@@ -301,14 +292,6 @@ class FigureKeys(Section):
         description="Studies whose curves, by the most accurate method, form a grey band behind those of the same D, "
         "gamma and m.",
     )
-
-    @model_validator(mode="after")
-    def _shown_once(self) -> Self:
-        shown_by: list[str] = [self.colour, *self.facet, *self.median_over]
-        for name in filter(None, shown_by):
-            if shown_by.count(name) > 1:
-                raise ValueError(f"{name} can be the colour, the facet or one to take the median over, not two")
-        return self
 
     def figure(self, interface: Bodies | None) -> Figure:
         """Return the figure, in SI units with an interface."""

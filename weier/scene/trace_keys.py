@@ -28,11 +28,6 @@ TRACE_KEYS = {
         "Shortest wavelength, in m or in x_unit or unit; two steps by default. Several make one case each per file.",
         several=True,
     ),
-    "longest": TraceKey(
-        float,
-        "Longest wavelength of the series that is fitted to the spectrum, in m or in x_unit or unit; by default a "
-        "quarter of the length, or less where the spectrum rolls off.",
-    ),
     "length": TraceKey(float, "Length of the trace if the file does not give it, in m or in x_unit or unit."),
     "ends": TraceKey(ENDS, f"Extension of the trace beyond its ends; {MIRRORED} by default."),
     "unit": TraceKey((*UNITS,), "Unit of positions, length, shortest and heights, overriding the file."),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # Its submodules are loaded on first use.
-from numpy.typing import NDArray
 
 from weier import units
 from weier.checks import checked_number, shown
@@ -183,29 +182,22 @@ def fit(
     return Fit(law.D, D_error, ratio, law.m, lambda_0, law.g_0, law.g_0 * g_0_error, rolloff, trace.source)
 
 
-def fit_columns(traces: Iterable[tuple[Trace, float | None] | None]) -> dict[str, NDArray[Any]]:
-    """Return the fits of traces, each with its `longest`, as columns of results; None stands for another surface.
+def fit_labels(trace: Trace) -> dict[str, Any]:
+    """Return the fit of a trace as labels of its case, with a remark if a part of the line dominates the fit.
 
-    If a trace has no fit, its numbers are NaN, and the remark gives the reason. If a part of the line dominates a
-    fit, the remark says so.
+    If a trace has no fit, its numbers are NaN, and the remark gives the reason.
     """
     names = "D", "D_error", "g_0", "g_0_error", "lambda_0", "rolloff"
-    rows, remarks = list[list[float]](), list[str]()
-    for one in traces:
-        found, remark = None, ""
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            try:
-                found = fit(*one) if one else None
-            except ValueError as error:
-                remark = str(error)
-        rows.append([value if (value := getattr(found, name, None)) is not None else math.nan for name in names])
-        remarks.append(remark or " ".join(str(warning.message) for warning in caught))
-    numbers = np.array(rows, float).reshape(-1, len(names)).T
-    columns: dict[str, NDArray[Any]] = {
-        f"trace_fit_{name}": values for name, values in zip(names, numbers, strict=True)
-    }
-    return columns | {"trace_fit_remark": np.array(remarks, str)}
+    found, remark = None, ""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            found = fit(trace)
+        except ValueError as error:
+            remark = str(error)
+    values = {name: getattr(found, name, None) for name in names}
+    numbers = {f"trace_fit_{name}": math.nan if value is None else value for name, value in values.items()}
+    return numbers | {"trace_fit_remark": remark or " ".join(str(warning.message) for warning in caught)}
 
 
 def _fit_one(trace: Trace, *arguments: Any) -> Any:
