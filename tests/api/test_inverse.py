@@ -45,6 +45,10 @@ def test_the_load_of_a_curve_comes_back_within_its_error(seed):
         error = found.mean_pressure_error.values
         assert (np.abs(found.mean_pressure.values - loads) <= error).all(), name
         assert (error <= 1e-6 * loads).all(), name
+        for farther in (-error, error):  # where the value is certainly above or below
+            beside = weier.solve(profile, found.mean_pressure.values + farther, "patches")
+            off = np.abs(beside[name].values - curve[name].values)
+            assert (off >= 0.99 * beside[f"{name}_error"].values).all(), name
 
 
 def test_the_load_of_a_contact_fraction_is_within_its_error():

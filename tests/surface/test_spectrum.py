@@ -189,16 +189,19 @@ def test_spectra_that_are_no_power_law_have_wider_or_no_fits(spoilt, quick):
     assert coverage(off, stated)[1] > 0.85
 
 
-def test_the_bias_of_D_is_half_its_curvature_in_each_power():
-    k = np.arange(1, 9)
+def test_biases_and_errors_are_those_of_powers_that_scatter():
+    """To second order: half the curvature in each power times its variance, and the root of the squared slopes."""
+    k, step, scatter = np.arange(1, 9), 1e-3, 1e-4
 
-    def D(j, relative):
-        return (5 - spectrum._exponent(k, k**-2.0 * (1 + relative * (k == j)))) / 2
+    def law(relative, scatter=0.0):
+        found = spectrum._law(Spectrum(k, k**-2.0 * (1 + relative), 1.0, scatter), 1.0, 1 / 8, Fraction(2))
+        return np.array([found.D, math.log(found.g_0)]), found.errors
 
-    above, below = (np.array([D(j, step) for j in k]) for step in (1e-3, -1e-3))
-    influence, bias = spectrum._influence_on_D(k, 2.0, 1.7)
-    np.testing.assert_allclose(influence, (above - below) / 2e-3, atol=1e-6)
-    assert bias == pytest.approx(1.7 * np.sum(above + below - 2 * D(0, 0.0)) / 2e-6, rel=1e-4)
+    (middle, _), (corrected, errors) = law(0.0), law(0.0, scatter)
+    above, below = (np.array([law(relative)[0] for relative in sign * step * np.eye(8)]) for sign in (1, -1))
+    np.testing.assert_allclose(errors, np.sqrt(scatter) * np.linalg.norm((above - below) / (2 * step), axis=0), 1e-4)
+    bias = scatter / 2 * np.sum(above + below - 2 * middle, axis=0) / step**2
+    np.testing.assert_allclose(middle - corrected, bias, rtol=1e-3)
 
 
 def line_and_scratch():

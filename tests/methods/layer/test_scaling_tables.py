@@ -31,6 +31,17 @@ def test_the_steepest_cubic_between_two_rows_is_flat_in_the_middle():
     np.testing.assert_allclose(closure.cubics(x), 3 * x - 6 * x**2 + 4 * x**3, atol=1e-15)
 
 
+def test_a_kink_at_which_the_value_agrees_by_chance_is_found_by_the_slope():
+    """The cubic of (x - 1/4)+ on one cell is right in the middle; its slope is off by 1/8, which counts as 1/64."""
+
+    def waves(x, _):
+        return scaling_tables.Rows(x, np.maximum(x - 0.25, 0), 1.0 * (x >= 0.25), np.empty((x.size, 0)))
+
+    coarse, fine = (scaling_tables.tabulate(waves, np.array([0.0, 1.0]), part / 128) for part in (1.01, 0.99))
+    assert coarse.position.tolist() == [0.0, 0.5, 1.0]
+    assert 0.25 in fine.position
+
+
 @pytest.mark.parametrize(
     ("m", "name", "limit", "says"),
     [
