@@ -54,6 +54,8 @@ def tangent_lines(p, G):
 def test_fine_tables_reach_the_tangent_lines(G):
     p = np.linspace(1e-4, 3, 3000)
     lower, upper = resistance_bounds(p, westergaard.compliance(p), G, first_contact=0.0)
+    from_higher = resistance_bounds(p, westergaard.compliance(p) + 0.2, G, first_contact=0.2)
+    np.testing.assert_allclose(from_higher, (lower, upper), atol=1e-11)
     assert upper[0] == pytest.approx((westergaard.compliance(p[0]) + 2 * G) / p[0], rel=1e-15)  # from first contact
     for i in range(20, 1500, 61):
         flattest, steepest = tangent_lines(p[i], G)
