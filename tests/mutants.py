@@ -3,8 +3,8 @@
     python -m tests.mutants 20 theory methods/bem/staircase --seed 1  # without paths, of all modules
 
 A mutant is planted in the memory of a child process: files, and compiled kernels of other modules, stay as they are.
-Kernels that depend on the module run as plain Python in the tests that are quick so; a survivor is then compiled, and
-judged by all tests of its module, and of its room. mutmut chooses a mutant as a function runs, which numba cannot
+Kernels that depend on the module run as plain Python in the tests that are quick so; unless all are, a survivor is
+then compiled, and judged by all tests of its module. mutmut chooses a mutant as a function runs, which numba cannot
 compile, and skips constants; cosmic-ray changes files, on which all kernels depend, and has one command.
 """
 
@@ -116,7 +116,7 @@ def run(module, text, is_plain, limit, arguments, plugins=()):
 
 
 @cache
-def control(module, is_plain, of_room=False):
+def control(module, is_plain):
     """Return the tests that pass without a change, a limit of processor seconds, and whether they are all.
 
     A module without a file of tests is judged by those of its room that import it, or by all of its room.
@@ -124,9 +124,8 @@ def control(module, is_plain, of_room=False):
     name = Path(module).name
     own, word = (TESTS / module).with_name(f"test_{name}.py"), re.compile(rf"import .*\b{name}\b|\.{name} import")
     room = sorted(own.parent.glob("test_*.py"))
-    files = room if of_room else [own] if own.exists() else [path for path in room if word.search(path.read_text())]
-    files = [*map(str, files or room), *[str(TESTS / "methods" / "test_attained.py")] * of_room]
-    arguments = module, SOURCE[module], is_plain, 3600, ["-rp", *files], [Clock()] * is_plain
+    files = [own] if own.exists() else [path for path in room if word.search(path.read_text())] or room
+    arguments = module, SOURCE[module], is_plain, 3600, ["-rp", *map(str, files)], [Clock()] * is_plain
     run(*arguments)  # which compiles other kernels
     code, output, seconds = run(*arguments)
     passed = [line[7:] for line in output.splitlines() if line.startswith("PASSED ")]
@@ -137,14 +136,13 @@ def control(module, is_plain, of_room=False):
 
 
 def judge(module, text):
-    """Return the verdict of its own tests, then of all of its room, with those of stated errors."""
-    is_judged = False
-    for is_plain, of_room in ((True, False), (False, False), (False, True)):
-        if is_judged and not of_room:
-            continue
-        tests, limit, is_judged = control(module, is_plain, of_room)
+    """Return the verdict of the tests of a module."""
+    for is_plain in (True, False):
+        tests, limit, is_judged = control(module, is_plain)
         if code := run(module, text, is_plain, limit, ["-x", *tests])[0] if tests else 0:
             return "failed" if code > 0 else "endless"
+        if is_judged:
+            break
     return "SURVIVES"
 
 
