@@ -279,8 +279,9 @@ def test_a_conversion_happens_once(convert, curve):
         convert(interface(), curve)
 
 
-def test_a_unit_that_is_stated_is_taken(curve):
-    assert interface().in_si(curve.assign(again=curve.resistance)).again.units == "ohm m^2"
-    own = curve.assign(ratio=curve.resistance / curve.compliance)
-    own["ratio"].attrs = {"normalised_by": "1"}
-    np.testing.assert_array_equal(interface().in_si(own).ratio.values, own.ratio.values)
+def test_other_variables_are_converted_by_their_own_unit(curve):
+    found = interface().in_si(
+        curve.assign(again=curve.resistance, T=("mean_pressure", [1.0, 2.0, 3.0], {"units": "K"}))
+    )
+    assert found.again.units == "ohm m^2"
+    assert found["T"].values.tolist() == [1.0, 2.0, 3.0]

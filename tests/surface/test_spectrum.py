@@ -12,7 +12,7 @@ from weier.surface import spectrum
 from weier.surface.bends import LONG, MIN_BEND_GAIN, SHORT, Spectrum, likeliest_bend
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
-from weier.surface.spectrum import fit, fit_labels
+from weier.surface.spectrum import fit
 
 LAMBDA, HEIGHT = 1e-3, 2e-6  # of the coarsest wave, in m
 
@@ -347,17 +347,6 @@ def test_the_default_band_states_its_errors_and_a_narrow_one_too_large_ones():
     assert 0.64 < one < 0.84  # 0.74 with a standard deviation of 0.035
     assert two > 0.94
     assert within_errors(30, 4, 4)[0] < 0.85
-
-
-def test_labels_of_fits_have_reasons_and_catch_warnings():
-    (line, scratch), white = line_and_scratch(), np.random.default_rng(0).normal(size=2000)
-    clean, spoilt, noise = (Trace(z, 2e-3, height_unit="um") for z in (line, line + scratch, white))
-    fits = [fit_labels(trace) for trace in (clean, spoilt, noise)]
-    assert fits[0]["trace_fit_D"] == fit(clean).D
-    assert [math.isnan(found["trace_fit_lambda_0"]) for found in fits] == [False, False, True]
-    assert fits[0]["trace_fit_remark"] == ""
-    assert "decide on the fit" in fits[1]["trace_fit_remark"]
-    assert "beta between 1 and 3" in fits[2]["trace_fit_remark"]
 
 
 def without_scatter(law):

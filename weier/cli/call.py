@@ -23,7 +23,7 @@ from weier.methods.settings import TOLERANCE
 from weier.scene import BY_DEFAULT, Figure, Grouping
 from weier.scene.case import read_trace
 from weier.scene.trace_keys import TRACE_KEYS
-from weier.scene.yaml import parse_yaml
+from weier.scene.yaml import read_yaml
 from weier.surface.loads import listed_loads
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
@@ -134,7 +134,7 @@ def check_solved(curves: xr.Dataset) -> None:
 
 def read_bodies(path: Path) -> Interface:
     """Return the bodies of a YAML file, or of the key `interface` of a scene; values may have units."""
-    given = parse_yaml(path.read_text(encoding="utf-8"))
+    given = read_yaml(path.read_text(encoding="utf-8")).values
     given = given if isinstance(given, dict) else {}
     try:
         return Interface.from_texts(given.get(INTERFACE, given))

@@ -13,7 +13,7 @@ from weier.methods.method import TOLERANCES
 from weier.methods.registry import EXACT, METHODS, PLOTTED, WITHIN_TOLERANCE, infinite_names, names
 from weier.methods.settings import described
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
-from weier.scene.yaml import parse_yaml
+from weier.scene.yaml import read_yaml
 
 
 class Output(click.Path):
@@ -51,7 +51,7 @@ def setting(text: str) -> tuple[str, str, Any]:
     """Return method, name and value of a setting, as in "bem.points_per_wave=32"."""
     if not (found := re.fullmatch(r"(\w+)\.(\w+)=(.+)", text)):
         raise click.BadParameter(f'it must read "method.name=value", such as layer.points=48, got {text!r:.80}')
-    return found[1], found[2], parse_yaml(found[3])
+    return found[1], found[2], read_yaml(found[3]).values
 
 
 FILE = click.Path(path_type=Path)

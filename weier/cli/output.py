@@ -108,7 +108,7 @@ class SolutionFile:
     def save(self, curves: xr.Dataset, whole: bool = False) -> None:
         """Write the solved loads to the partial file, or all to the output file, which replaces it."""
         data = self.call.in_units(curves).drop_vars("case").assign_attrs({PROBLEM: json.dumps(self.problem)})
-        dataset.write(data, self.path if whole else self.part, str(self.surface.describe()), "solved")
+        dataset.write(data, self.path if whole else self.part, str(self.surface.describe()))
         self.saved = monotonic()
         if whole:
             self.part.unlink(missing_ok=True)

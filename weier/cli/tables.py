@@ -125,7 +125,7 @@ def report(
         if path.suffix == ".csv":
             write_text(path, frame.to_csv(index=False))
         elif path.suffix == ".nc":
-            dataset.write(data, path, title, "solved")
+            dataset.write(data, path, title)
         else:
             call.draw(solved, path, "resistance", Grouping(median_over=("trace",) * (len(solved_lines) > 1)))
     click.echo(title, err=bool(outputs))

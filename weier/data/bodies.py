@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, replace
 from inspect import signature
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -112,9 +112,8 @@ class Bodies:
     @property
     def resistivities(self) -> tuple[float, float]:
         """The resistivities of both bodies, in ohm m, or the inverses of the thermal conductivities."""
-        if self.rho_1 is not None and self.rho_2 is not None:
-            return self.rho_1, self.rho_2
-        return 1 / cast("float", self.k_1), 1 / cast("float", self.k_2)
+        given = self.given
+        return (given["rho_1"], given["rho_2"]) if self.k_1 is None else (1 / given["k_1"], 1 / given["k_2"])
 
     @property
     def resistance_unit(self) -> str:
@@ -190,13 +189,13 @@ class Bodies:
         return found
 
     def warn_of_yield(self, curves: xr.Dataset) -> None:
-        """Warn once of loads at which contacts yield, and of loads without a contact area to judge this."""
+        """Warn once of loads, in Pa, at which contacts yield, and of loads without a contact area to judge this."""
         hardness = min(filter(None, (self.hardness_1, self.hardness_2)), default=math.inf)
         solved = curves.get("compliance", curves.get("contact_fraction"))
         if math.isinf(hardness) or solved is None or LOADS not in curves.coords:
             return
         area = curves.get("contact_fraction", solved * math.nan)
-        pressure = curves[LOADS] * units.factor(LOADS, units.unit_of(curves[LOADS]), units.PASCAL)
+        pressure = curves[LOADS]
         of_contacts = contact_pressure(pressure, area)
         others = [dim for dim in area.dims if dim not in pressure.dims]
         if (unknown := (solved.notnull() & area.isnull()).any(others)).any():
@@ -266,8 +265,7 @@ def _unit(name: str) -> str:
 
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
-    """Convert values of a quantity from SI to normalised units; ValueError for a resistance that is always 0."""
+    """Convert values of a quantity from SI to normalised units."""
     factor, si = bodies.scales().get(unit, (np.array(1.0), units.NONE))
-    if factor == 0:
-        raise ValueError("resistance must be between bodies with a resistivity, got two perfect conductors")
-    return np.asarray(checked_numbers(name, values, unit=si) / factor)
+    with np.errstate(divide="ignore", invalid="ignore"):  # perfect conductors have no resistance
+        return np.asarray(checked_numbers(name, values, unit=si) / factor)

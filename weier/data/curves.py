@@ -37,12 +37,9 @@ def groups(cases: Iterable[Case], *names: str) -> list[list[Case]]:
 def curve(case: Case, name: str, method: str | None) -> Array | None:
     """Return the values of a variable over the loads by one method, or None if it has none."""
     methods = np.asarray(case["solution_method"]).tolist()
-    if method not in methods:
+    if method not in methods or name not in case:
         return None
-    try:
-        values: Array = np.asarray(case[name])[methods.index(method)]
-    except KeyError:  # no method of this file returns the variable
-        return None
+    values: Array = np.asarray(case[name])[methods.index(method)]
     return values if np.isfinite(values).any() else None
 
 

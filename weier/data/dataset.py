@@ -85,9 +85,9 @@ def over_cases(values: Mapping[str, Any], methods: Sequence[str], loads: Array, 
     return marked(data)
 
 
-def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:
-    """Write a netCDF file atomically, with its title, the step that made the data and the text of its scene."""
-    data = data.assign_attrs(provenance.attributes(title, step, scene, in_si="mu_1" in data.attrs))
+def write(data: xr.Dataset, path: str | Path, title: str) -> None:
+    """Write curves into a netCDF file atomically, with their title."""
+    data = data.assign_attrs(provenance.attributes(title, "solved", in_si="mu_1" in data.attrs))
     with replacing(path) as temporary:
         write_file(data, temporary)
 
@@ -122,7 +122,7 @@ def append(values: xr.DataArray, path: Path, coordinates: Mapping[Any, xr.DataAr
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """Read a netCDF file of weier into memory; ValueError if it is truncated or was not written by weier."""
+    """Read a netCDF file into memory; ValueError if it is truncated."""
     with open_lazily(path) as data:
         try:
             return data.load()
@@ -131,7 +131,7 @@ def read(path: str | Path) -> xr.Dataset:
 
 
 def open_lazily(path: str | Path) -> xr.Dataset:
-    """Return a netCDF file of weier, opened lazily: its values are read on access."""
+    """Return a netCDF file, opened lazily: its values are read on access."""
     checked_file(path)
     try:
         tree = xr.open_datatree(path, engine="netcdf4", cache=False)
@@ -142,9 +142,6 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     groups = [group.to_dataset(inherit=False) for group in tree.subtree]
     data = xr.merge(groups, join="exact", compat="override", combine_attrs="override")
     data.set_close(tree.close)
-    if "key" not in data.variables and data.attrs.get("program") != provenance.FIXED["program"]:
-        data.close()
-        raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
     for variable in data.variables.values():  # without stored widths, shorter texts can be written
         for width in ("char_dim_name", "original_shape"):
             variable.encoding.pop(width, None)

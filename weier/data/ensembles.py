@@ -9,7 +9,6 @@ import numpy as np
 from weier import units
 from weier.data.curves import CONTACT_PRESSURE
 from weier.data.variables import CASE, CURVE, LOADS
-from weier.kernels.arrays import Indices
 from weier.surface.profile import PARAMETERS
 
 if TYPE_CHECKING:
@@ -73,7 +72,7 @@ def _cases(data: xr.Dataset) -> pd.DataFrame:
     import pandas as pd
 
     known = pd.DataFrame({str(name): own.values for name, own in data.coords.items() if own.dims == (CASE,)})
-    names = [name for name in known if name not in WITHIN and not name.startswith("trace_fit_")]
+    names = [name for name in known if name not in WITHIN]
     names.sort(key=lambda name: ("study", *PARAMETERS, name).index(name))
     cases = known[names].assign(m=known["m"].where(known["D"].notna()))
     if "trace_hurst" in cases:
@@ -93,14 +92,11 @@ def _cases(data: xr.Dataset) -> pd.DataFrame:
     return cases
 
 
-def _clusters(label: pd.Series) -> Indices:
-    """Return the cluster number of each value of a label: a relative step above the tolerance starts a new one."""
-    values = label.to_numpy()
-    if values.dtype.kind not in "fiu":
-        return np.unique(values.astype(str), return_inverse=True)[1]
-    known = np.where(np.isnan(values), np.inf, values)
-    order = np.argsort(known)
-    above = known[order] + (CLOSE_CUTOFFS if label.name == CUTOFF else CLOSE) * np.abs(known[order])
-    code = np.empty(values.size, int)
-    code[order] = np.append(0, np.cumsum(known[order][1:] > above[:-1]))
-    return code
+def _clusters(label: pd.Series) -> pd.Series:
+    """Return the cluster of each value of a label: a relative step above the tolerance starts a new one."""
+    if label.dtype.kind not in "fiu":
+        return label.astype(str)
+    ordered = label.fillna(np.inf).sort_values()
+    below = ordered.shift()
+    tolerance = CLOSE_CUTOFFS if label.name == CUTOFF else CLOSE
+    return (ordered > below + tolerance * below.abs()).cumsum()

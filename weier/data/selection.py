@@ -154,12 +154,7 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
 
 
 def name_cases(data: xr.Dataset) -> xr.Dataset:
-    """Return the curves with a name for each case."""
-    return data.assign_coords(case=("case", np.array(case_names(data), object), {"long_name": "case"}))
-
-
-def case_names(data: xr.Dataset) -> list[str]:
-    """Return a name per case: study, D, gamma, m, seed or phases.
+    """Return the curves with a name for each case, of study, D, gamma, m, seed or phases.
 
     A trace is named by its file and its digest, which determine all else.
     """
@@ -171,7 +166,7 @@ def case_names(data: xr.Dataset) -> list[str]:
         study = [labels.pop("study")] if "study" in labels else []
         listed = [f"{name} = {text}" for name, text in labels.items() if name != "phases" or "seed" not in labels]
         names.append(": ".join([*study, ", ".join(listed)]))
-    return names
+    return data.assign_coords(case=("case", np.array(names, object), {"long_name": "case"}))
 
 
 def _labels(data: xr.Dataset) -> list[str]:

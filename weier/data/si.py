@@ -64,16 +64,14 @@ def check_normalised(data: Any) -> None:
         raise ValueError(f"data must be a Dataset of weier, got {shown(data)}: {CONVERT_DATASET}")
     normalised = {name for name, variable in data.variables.items() if units.unit_of(variable) in units.NORMALISED}
     for name, variable in data.variables.items():
-        quantity = name in data.data_vars or name in LOCATED
+        quantity = variable.dtype.kind == "f" and (name in data.data_vars or name in LOCATED)
         # Arithmetic drops attributes in which its operands differ, such as `long_name`, and keeps others.
-        described, unit = "long_name" in variable.attrs, units.unit_of(variable)
-        lost = not unit or (variable.attrs.get("units") == units.NONE and not described)
-        changed = name in normalised and described and not variable.encoding
-        if changed or (lost and quantity and variable.dtype.kind == "f"):
+        plain = variable.attrs.get("units") == units.NONE and "long_name" not in variable.attrs
+        lost = quantity and (plain or not units.unit_of(variable))
+        if lost or (name in normalised and not variable.encoding):
             raise ValueError(
                 f"{name} must be as weier returned it, got values that arithmetic may have changed: convert the "
-                "whole Dataset first and compute with its SI units, or state the unit by "
-                f'data["{name}"].attrs = {{"normalised_by": "g_0"}}, or "1" for a plain number'
+                "whole Dataset first, and compute with its SI units"
             )
     if not normalised:
         raise ValueError("data must be normalised, got no quantity in units such as p_0*: is it in SI units already?")

@@ -130,15 +130,6 @@ VARIABLES = {
     "trace_filled": _trace_label("number of missing heights that were interpolated"),
     "trace_hurst": _trace_label("Hurst exponent of a random line", symbol="H"),
     "trace_rolloff": _trace_label("wavelength above which the spectrum of a random line is constant", "m"),
-    "trace_fit_D": _trace_label("fractal dimension of the series with the spectrum of the trace"),
-    "trace_fit_D_error": _trace_label("standard error of this fractal dimension"),
-    "trace_fit_g_0": _trace_label("amplitude of the coarsest wave of the series with the spectrum of the trace", "m"),
-    "trace_fit_g_0_error": _trace_label("standard error of this amplitude", "m"),
-    "trace_fit_lambda_0": _trace_label("wavelength of this wave", "m"),
-    "trace_fit_rolloff": _trace_label("wavelength above which the spectrum is flatter than that of the series", "m"),
-    "trace_fit_remark": _trace_label(
-        "why no series has the spectrum of the trace, or what dominates the fit", dtype="O"
-    ),
     "total_amplitude": Variable(
         ("case",),
         "sum of the amplitudes of the terms",

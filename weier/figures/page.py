@@ -36,7 +36,7 @@ from markupsafe import Markup
 from weier.data import provenance
 from weier.data.bodies import Bodies
 from weier.data.files import write_text
-from weier.data.selection import case_names
+from weier.data.selection import name_cases
 from weier.figures import UNDRAWN, UNGROUPED, style
 from weier.figures.values import plain
 from weier.methods.curve import QUANTITIES
@@ -108,7 +108,7 @@ def explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
         _plot(quantity, methods, sources, plain(labels["mean_pressure"]), plain(labels[quantity]))
         for quantity in QUANTITIES
     ]
-    names: Any = case_names(data)
+    names: Any = name_cases(data)["case"].values.tolist()
     # The list tells cases apart by their names alone, and numbers in these are rounded.
     names = [name if names.count(name) == 1 else f"{name}, case {at + 1}" for at, name in enumerate(names)]
     select = Select(title="case", name="case", value=names[0], options=names)

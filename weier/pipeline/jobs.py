@@ -14,7 +14,6 @@ from weier.digests import numerics
 from weier.pipeline.needed_curves import SURFACE, Kind, Part
 from weier.pipeline.store import Store
 from weier.scene.case import Case
-from weier.surface.spectrum import fit_labels
 
 # Seconds of work lost if a job is killed (an append takes 0.02 s), and a number of rows that fits into memory.
 APPEND_SECONDS, MAX_ROWS = 10.0, 50_000
@@ -64,12 +63,9 @@ def check_code(store: Store, since: str) -> None:
 
 
 def _row(kind: Kind, case: Case, say: Callable[[str], None]) -> dict[str, Any]:
-    """Return the row of a curve, or the row that describes a surface, including the fit of a series to a trace."""
+    """Return the row of a curve, or the row that describes a surface."""
     if kind.method == SURFACE:
-        row = surface_row(case.profile)
-        if "trace" in case.parameters:
-            row |= fit_labels(case.profile)
-        return row
+        return surface_row(case.profile)
     curve = kind.curve_of(case.profile)
     if isinstance(outcome := curve.outcome(), Exception):
         say(f"{case.profile.describe()}, {kind.method}: {outcome}")

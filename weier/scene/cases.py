@@ -16,7 +16,6 @@ from weier.scene.case import Case
 from weier.scene.figure import Figure
 from weier.scene.identity import Keys, distinct
 from weier.scene.study import CaseProduct, Study
-from weier.surface.loads import check_range
 from weier.units import NORMALISED_PRESSURE
 
 # Names of scenes, studies, figures and claims become file names and parts of Snakemake paths.
@@ -117,10 +116,3 @@ class Scene:
     def in_si(self) -> bool:
         """Whether loads are in Pa, and all data in SI units."""
         return self.load_unit != NORMALISED_PRESSURE
-
-    def check_loads(self) -> None:
-        """Refuse loads in Pa that are beyond the range of normalised ones for one of the surfaces."""
-        if self.in_si and self.interface:
-            for product in self.products:
-                for case in product.representative_cases("trace"):
-                    check_range(self.interface.at(case.profile).normalised_pressure(product.loads))

@@ -73,7 +73,7 @@ def _scene(keys: SceneKeys, text: str, path: Path) -> Scene:
         what = f"a scene must have at most {keys.max_cases} cases, got {count}: say max_cases: {count} if you mean it"
         raise Mistake(("max_cases",), what)
     bodies = keys.interface if keys.loads.in_si else None
-    scene = Scene(
+    return Scene(
         name=path.stem,
         title=keys.title,
         load_unit=keys.loads.unit,
@@ -84,9 +84,6 @@ def _scene(keys: SceneKeys, text: str, path: Path) -> Scene:
         contact_edges=keys.contact_edges,
         text=text,
     )
-    with at("loads"):
-        scene.check_loads()
-    return scene
 
 
 def _wrong_names(keys: SceneKeys) -> Iterator[Mistake]:

@@ -32,13 +32,8 @@ class Document(NamedTuple):
         return mark.line + 1 if mark else 1
 
 
-def parse_yaml(text: str) -> Any:
-    """Return a YAML text as plain values; objects and duplicate keys are refused."""
-    return read_yaml(text).values
-
-
 def read_yaml(text: str) -> Document:
-    """Return the values of a YAML text as `parse_yaml` does, with their lines."""
+    """Return a YAML text as plain values with their lines; objects and duplicate keys are refused."""
     yaml = YAML(typ="safe", pure=True)
     yaml.max_depth = MAX_DEPTH
     try:

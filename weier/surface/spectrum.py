@@ -182,24 +182,6 @@ def fit(
     return Fit(law.D, D_error, ratio, law.m, lambda_0, law.g_0, law.g_0 * g_0_error, rolloff, trace.source)
 
 
-def fit_labels(trace: Trace) -> dict[str, Any]:
-    """Return the fit of a trace as labels of its case, with a remark if a part of the line dominates the fit.
-
-    If a trace has no fit, its numbers are NaN, and the remark gives the reason.
-    """
-    names = "D", "D_error", "g_0", "g_0_error", "lambda_0", "rolloff"
-    found, remark = None, ""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        try:
-            found = fit(trace)
-        except ValueError as error:
-            remark = str(error)
-    values = {name: getattr(found, name, None) for name in names}
-    numbers = {f"trace_fit_{name}": math.nan if value is None else value for name, value in values.items()}
-    return numbers | {"trace_fit_remark": remark or " ".join(str(warning.message) for warning in caught)}
-
-
 def _fit_one(trace: Trace, *arguments: Any) -> Any:
     """Return the fit of one of several traces, which is named if it is refused."""
     try:
