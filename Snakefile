@@ -164,7 +164,7 @@ use rule data as figure with:
             subcategory="figures",
             labels=lambda wildcards: {
                 "figure": wildcards.figure,
-                "caption": caption(plan.scene(wildcards.scene), wildcards.figure).text,
+                "caption": caption(plan.scene(wildcards.scene), wildcards.figure),
             },
         ),
     log:

@@ -43,10 +43,10 @@ class SceneFigures(SphinxDirective):
 
     def picture(self, loaded, name):
         """Picture and caption."""
-        title, text, alternative = caption(loaded, name)
+        title, text = name.replace("_", " ").capitalize(), caption(loaded, name)
         words = nodes.caption("", "", nodes.strong("", f"{title}. "), nodes.Text(text))
         return nodes.figure(
-            "", nodes.image(uri=os.path.relpath(self.path(name), ROOT / "docs"), alt=alternative, width="28em"), words
+            "", nodes.image(uri=os.path.relpath(self.path(name), ROOT / "docs"), alt=text, width="28em"), words
         )
 
 

@@ -145,8 +145,8 @@ def test_a_compliance_is_no_polygon():
     assert tables.smooth_compliance(loads, h, np.full(loads.size, np.nan)) is None
 
 
-def test_traces_of_one_name_are_told_apart_by_what_differs() -> None:
-    """By the digest alone where nothing else differs; a series has no name."""
+def test_traces_of_one_name_are_told_apart() -> None:
+    """By the shortest wavelength, and by the digest where it agrees; a series has no name."""
     data = blank(5, ["patches"], LOADS, 2)
     data["compliance"].values[:] = 1.0
     rows = (
@@ -163,7 +163,7 @@ def test_traces_of_one_name_are_told_apart_by_what_differs() -> None:
     assert names == [
         f"x.csv, shortest 5 {micro}",
         f"x.csv, shortest 10 {micro}",
-        r" _\$y.csv, C",
-        r" _\$y.csv, D",
+        rf" _\$y.csv, shortest 5 {micro}, C",
+        rf" _\$y.csv, shortest 5 {micro}, D",
         "",
     ]

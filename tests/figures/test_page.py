@@ -67,7 +67,7 @@ def test_same_data_same_page(folder):
     assert first == second
 
 
-def test_curves_are_in_si_units_where_the_scene_has_two_bodies(tmp_path):
+def test_curves_are_in_si_units_where_the_scene_has_two_bodies():
     data = blank(1, METHODS, LOADS, 3)
     data["D"].values[:], data["gamma"].values[:], data["m"].values[:] = 1.5, 5, 2
     data["compliance"].values[:], data["resistance"].values[:] = 1 + LOADS, 2 + LOADS
@@ -82,7 +82,7 @@ def test_curves_are_in_si_units_where_the_scene_has_two_bodies(tmp_path):
     assert table["compliance_error"] == pytest.approx(1e-10, rel=1e-6)
     assert table["resistance"] == pytest.approx(interface.resistance(2 + LOADS), rel=1e-6)
     assert made.select_one({"name": "compliance"}).yaxis.axis_label == "compliance h (m)"
-    assert "ohm m^2" in write(tmp_path, data, interface=interface)
+    assert made.select_one({"name": "resistance"}).yaxis.axis_label.endswith("(Omega m^2)")
 
 
 def test_each_case_is_shown_at_the_loads_of_its_study():

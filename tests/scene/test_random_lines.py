@@ -43,10 +43,8 @@ def test_each_seed_is_the_line_of_the_library_and_all_are_one_ensemble(tmp_path)
         table = data.weier.ensemble()
         assert table.cases.tolist() == [3] * len(LOADS)
         np.testing.assert_allclose(table.compliance_mean, expected.compliance.values.reshape(3, -1).mean(axis=0))
-    _, panels, _ = many_curves.compare(
-        [read_study(solutions, "rough")], "t", "compliance", Grouping(median_over=("trace",))
-    )
-    assert len(panels[0].collections) == 1  # the band
+    drawn = many_curves.draw([read_study(solutions, "rough")], "t", "compliance", Grouping(median_over=("trace",)))
+    assert len(drawn.axes[0].collections) == 1  # the band
 
 
 def keys_of(folder, **changes):

@@ -11,7 +11,7 @@ from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import many_curves, scene_checks
 from weier.pipeline.gather import read_study
-from weier.scene import BY_DEFAULT, Case
+from weier.scene import Case
 
 X = 1e-6 * np.arange(64)
 HEIGHTS = 1e-6 * np.cos(2 * np.pi * X / 64e-6) + 2e-7 * np.sin(2 * np.pi * X / 16e-6)
@@ -138,8 +138,8 @@ def test_curves_of_a_trace_go_through_files_beside_those_of_a_series(folder):
     assert data["status"].values.tolist() == [[Status.solved, Status.not_requested], [Status.solved] * 2]
     assert np.isfinite(data["compliance"].values[0, 0]).all()
     studies = [read_study(solutions, name) for name in ("mine", "series")]
-    _, panels, _ = many_curves.compare(studies, "t", "compliance", BY_DEFAULT)
-    assert "(b)  shaft.csv" in [axes.get_title() for axes in panels]
+    drawn = many_curves.draw(studies, "t", "compliance")
+    assert "(b)  shaft.csv" in [axes.get_title() for axes in drawn.axes]
     with open_dataset(folder / "contact.nc") as data:
         assert re.fullmatch(r"mine: trace = shaft\.csv, m = 2, trace_digest = [0-9a-f]{12}", data.case.values[0])
         assert data.weier.cases(trace="shaft.csv").sizes["case"] == 1

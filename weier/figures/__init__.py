@@ -6,7 +6,6 @@ the module of a kind returns the figure. This folder may import all others excep
 
 from __future__ import annotations
 
-import re
 import zlib
 from collections.abc import Collection, Sequence
 from importlib import import_module
@@ -174,18 +173,8 @@ def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tupl
             drawn.savefig(file, format=suffix, **WRITTEN[suffix])
 
 
-class Caption(NamedTuple):
-    """The name of a figure, the text below it, and one line of alternative text."""
-
-    name: str
-    text: str
-    alternative: str
-
-
-def caption(scene: Scene, name: str) -> Caption:
+def caption(scene: Scene, name: str) -> str:
     """Return the caption of a figure of a scene, as plain text with the paper's symbols: its title and its kind's."""
     figure = scene.figure(name)
     text = KINDS[figure.draw].caption
-    title = name.replace("_", " ").capitalize()
-    subject, *_ = re.split(r"[:.;] ?", text)
-    return Caption(title, f"{figure.title}. {text}" if figure.title else text, f"{title}: {subject}")
+    return f"{figure.title}. {text}" if figure.title else text

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from weier.data import curves
 from weier.figures import style
-from weier.figures.values import keep_band, line
+from weier.figures.values import keep, line
 from weier.kernels.arrays import Array
 
 SAMPLES = 2000  # points of the profile, finer than print resolves
@@ -42,7 +42,7 @@ def _draw_tree(axes: Axes, case: xr.Dataset) -> None:
     corners = np.transpose([(left, low), (right, low), (right, high), (left, high)], (2, 0, 1))
     axes.add_collection(PolyCollection([*corners], facecolors=style.BLUE, edgecolors="none", label="contact"))
     ends = np.ravel([left, right], "F")  # alternates left and right ends
-    keep_band(axes, "contact", ends, np.repeat(low, 2), np.repeat(high, 2))
+    keep(axes, "contact", ends, {", low": np.repeat(low, 2), ", high": np.repeat(high, 2)})
     axes.set(xlim=(0, period), yscale="log", ylim=(loads[0], loads[-1]))
     axes.set(xlabel=style.LABELS["x"], ylabel=style.LABELS["mean_pressure"])
     # The legend is above the axes, since contacts may be anywhere within them.

@@ -21,7 +21,7 @@ from matplotlib.patches import Patch
 
 from weier.data.bodies import Bodies
 from weier.figures import style
-from weier.figures.tables import Extent, Values, extent, refined_loads, smooth_compliance, table_of
+from weier.figures.tables import Values, extent, refined_loads, smooth_compliance, table_of
 from weier.figures.values import band, line
 from weier.kernels.arrays import Array
 from weier.methods.curve import COMPLIANCE, QUANTITIES
@@ -75,30 +75,19 @@ class PlottedCurve(NamedTuple):
         return self.own.study.isel(case=self.first["row"])
 
 
-def draw(studies: Sequence[xr.Dataset], title: str, quantity: str, **options: Any) -> Figure:
-    """Draw compliance over mean pressure up to full contact, or another quantity on logarithmic axes."""
-    figure, panels, extent = compare(studies, title, quantity, **options)
-    if quantity == COMPLIANCE:  # the axis must show light loads
-        style.set_load_axis(panels[0], extent.first_load, extent.full_contact)
-        panels[0].set_ylim(bottom=0)
-    else:
-        style.set_logarithmic_axes(panels[0], *extent)
-    return figure
-
-
-def compare(
+def draw(
     studies: Sequence[xr.Dataset],
     title: str,
     quantity: str,
     grouping: Grouping = BY_DEFAULT,
     interface: Bodies | None = None,
     behind: Sequence[xr.Dataset] = (),
-) -> tuple[Figure, Sequence[Axes], Extent]:
-    """Draw a quantity with the panels, colours and medians of a grouping; in SI units with an interface.
+) -> Figure:
+    """Draw compliance over mean pressure up to full contact, or another quantity on logarithmic axes.
 
-    The studies belong to one scene. The most accurate curves of the studies behind are a grey band in panels of the
-    same D, gamma and m. Returns the figure, its panels, whose common axes the caller sets, and the extent of the
-    curves. ValueError is raised if there are no such curves, or some could not be distinguished.
+    The studies belong to one scene. Panels, colours and medians are those of a grouping; with an interface, axes are
+    in SI units. The most accurate curves of the studies behind are a grey band in panels of the same D, gamma and m.
+    ValueError is raised if there are no such curves, or some could not be distinguished.
     """
     tables = [Values(study, quantity, interface) for study in studies]
     table = table_of(tables)
@@ -136,7 +125,13 @@ def compare(
     above = list(filter(None, [title, shared if len(shown) > 1 else ""]))
     figure.set_figheight(figure.get_figheight() + 0.2 * len(above))  # inches for each line
     style.set_title(figure, "\n".join(above))
-    return figure, panels, extent(tables)
+    first_load, full_contact, *values = extent(tables)
+    if quantity == COMPLIANCE:  # the axis must show light loads
+        style.set_load_axis(panels[0], first_load, full_contact)
+        panels[0].set_ylim(bottom=0)
+    else:
+        style.set_logarithmic_axes(panels[0], first_load, full_contact, *values)
+    return figure
 
 
 def _curves(table: pd.DataFrame, tables: Sequence[Values], quantity: str, grouping: Grouping) -> list[PlottedCurve]:
@@ -280,18 +275,12 @@ def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None
 def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
     """Return legend entries for colours, dashes and bands."""
     colour, by_dash = grouping.colour or "method", _by_dash(drawn, grouping)
-    values = _values(drawn, colour)
-    # A legend below the panels has room for eight values of a parameter.
-    shown = [values[number] for number in np.unique(np.linspace(0, len(values) - 1, 8).round().astype(int))]
-    hidden = len(values) - len(shown)
     handles: list[Any] = []
-    for value in shown:
+    for value in _values(drawn, colour):
         first = next(curve for curve in drawn if curve.first[colour] == value)
         look = _look(first, drawn, grouping)
         own = {"color": look["color"]} if by_dash else look
         handles.append(Line2D([], [], **{**own, "label": _label(drawn, colour, value), "markevery": None}))
-    if hidden:
-        handles.append(Line2D([], [], linestyle="none", label=f"and {hidden} more between them"))
     if by_dash:
         looks = {curve.method: _look(curve, drawn, grouping) for curve in drawn}
         handles += [Line2D([], [], **look | {"color": style.GREY, "markevery": None}) for look in looks.values()]

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 
 from weier.data import curves
 from weier.figures import style
-from weier.figures.values import band, keep_band, line
+from weier.figures.values import band, keep, line
 from weier.methods import cascade, persson
 
 BAND = (10, 90)  # percentiles
@@ -81,7 +81,7 @@ def _draw(axes: Axes, found: pd.DataFrame, quantity: str, color: str, marker: st
     if quantity == "resistance":
         longest = by_terms.get_group(terms[-1]).median()
         lower, upper, place = longest["resistance_lower"], longest["resistance_upper"], terms[-1] + 0.55
-        keep_band(axes, f"{label}, bounds for m = inf", [place], [lower], [upper])
+        keep(axes, f"{label}, bounds for m = inf", [place], {", low": [lower], ", high": [upper]})
         ends = [[middle[-1] - lower], [upper - middle[-1]]]
         axes.errorbar([place], [middle[-1]], ends, color=color, linewidth=1.4, capsize=3, fmt="none")
         axes.set_xlim(terms[0] - 0.3, place + 0.3)

@@ -47,7 +47,6 @@ from weier.units import unit_of
 
 MAX_CASES = 1000  # With errors, this many cases at 40 loads by four methods take 4 MB of the page.
 EXPLORER_ID = ID("curves-explorer")
-IN_SI = "Pressures are in {}, compliance in m and resistance in {}, for the two bodies of the scene."
 SHOWN = [*QUANTITIES, *(f"{quantity}_error" for quantity in QUANTITIES)]
 LINE_WIDTH = 2  # pixels
 # ticks of logarithmic axes, labelled if there is room; bokeh's own ticker labels none over two decades
@@ -74,9 +73,7 @@ def render(data: xr.Dataset, title: str, count: int, interface: Bodies | None = 
     cases = f"This page has all {count} cases." if count > 1 else "This page has one case."
     if shown < count:
         cases = f"This page has {shown} of {count} cases, evenly spread; the figures and contact.nc have all."
-    unit = provenance.NORMALISED
-    if interface:
-        unit = IN_SI.format(unit_of(data["mean_pressure"]), interface.resistance_unit)
+    units = [] if interface else [provenance.NORMALISED]  # the axes have those of SI
     # All components would double the file size.
     library = Resources(mode="inline", components=["bokeh", "bokeh-widgets"]).render()
     item = json.dumps(json_item(explorer(data, interface), EXPLORER_ID))
@@ -87,7 +84,7 @@ def render(data: xr.Dataset, title: str, count: int, interface: Bodies | None = 
         library=Markup(library),
         item=Markup(item.replace("</", "<\\/")),
         explorer=EXPLORER_ID,
-        texts=[cases, unit, "A click on a name in a legend hides its curve."],
+        texts=[cases, *units, "A click on a name in a legend hides its curve."],
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,8 +13,8 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
 from weier.data import curves
-from weier.figures import series, style
-from weier.figures.tables import Values, extent
+from weier.figures import style
+from weier.figures.tables import Values, extent, panels_of_series
 from weier.figures.values import line
 from weier.methods.curve import COMPLIANCE
 from weier.surface.profile import PARAMETERS
@@ -21,7 +22,7 @@ from weier.surface.profile import PARAMETERS
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Draw compliance over mean pressure for each phase, one panel a series, with the average as a solid line."""
-    figure, panels = series.column(studies, title, COMPLIANCE, *PARAMETERS)
+    figure, panels = panels_of_series(studies, title, COMPLIANCE, *PARAMETERS)
     for axes, cases in panels:
         _draw_phases(axes, cases)
     colors = ScalarMappable(Normalize(0, np.pi), ListedColormap(style.shade(np.linspace(0, 1, 256))))
@@ -34,14 +35,13 @@ def _draw_phases(axes: Axes, cases: Sequence[Values]) -> None:
     drawn = [own.line(0, own.best[0]) for own in cases]
     fine, h = drawn[0][0], np.array([values for _, values in drawn])
     average = f"average of {len(cases)} phase{'s' * (len(cases) > 1)}"
-    angles = [curves.phase_angle(own.study.isel(case=0)) for own in cases]
-    colors = style.shade(angle / np.pi for angle in angles)
-    for angle, row, color in zip(angles, h, colors, strict=True):
-        look = {"color": color, "linewidth": 0.7, "linestyle": style.DASHES[1], "label": None}
-        line(axes, f"phase {angle:.3g}", fine, row, **look)
+    look: dict[str, Any] = {"linewidth": 0.7, "linestyle": style.DASHES[1]}
+    for own, row in zip(cases, h, strict=True):
+        angle = curves.phase_angle(own.study.isel(case=0))
+        (color,) = style.shade([angle / np.pi])
+        line(axes, f"phase {angle:.3g}", fine, row, color=color, label=None, **look)
     line(axes, average, fine, h.mean(axis=0), color=style.BLACK, linewidth=1.6, zorder=3)
-    axes.plot([], [], color=style.GREY, linewidth=0.7, linestyle=style.DASHES[1], label="one phase")
-    series.draw_sparse_points(axes, zip(cases, [0.0] * len(cases), colors, strict=True))
-    axes.set_xlim(0, extent(cases).full_contact)
+    axes.plot([], [], color=style.GREY, label="one phase", **look)
+    axes.set_xlim(0, extent(cases)[1])  # full contact
     axes.set_ylim(bottom=0)
     axes.legend(loc="lower right")

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from weier.data import curves
 from weier.figures import style
 from weier.figures.values import line
-from weier.surface.profile import Profile
 
 LENGTH = 2  # lambda_0, as in the paper
 SAMPLES_PER_WAVE = 32  # samples per finest wave, for a smooth polygon
@@ -24,15 +23,11 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     title, cases = style.limit_panels(title, finite, "profiles")
     figure, panels = style.column(title, list(map(style.describe, cases)), 1.35, sharex=True, sharey=True)
     for axes, case in zip(panels, cases, strict=True):
-        x, z = _samples(curves.profile(case))
-        line(axes, "profile", x, z, color=style.BLACK, linewidth=0.7)
+        profile = curves.profile(case)
+        count = SAMPLES_PER_WAVE * LENGTH * float(profile.gamma) ** (profile.terms - 1)
+        x = np.linspace(0, LENGTH, int(min(count, MAX_SAMPLES)) + 1)
+        line(axes, "profile", x, profile.height(x), color=style.BLACK, linewidth=0.7)
         axes.set_ylabel(style.LABELS["height"])
     panels[-1].set_xlabel(style.LABELS["x"])
     panels[-1].set_xlim(0, LENGTH)
     return figure
-
-
-def _samples(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
-    count = SAMPLES_PER_WAVE * LENGTH * float(profile.gamma) ** (profile.terms - 1)
-    x = np.linspace(0, LENGTH, int(min(count, MAX_SAMPLES)) + 1)
-    return x, profile.height(x)

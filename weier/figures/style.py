@@ -13,7 +13,7 @@ import numpy as np
 from weier.data.bodies import Bodies
 from weier.data.variables import VARIABLES
 from weier.methods import registry
-from weier.methods.method import DEFAULT_STYLE, Style
+from weier.methods.method import DEFAULT_STYLE, Method
 from weier.scene.figure import MAX_PANELS
 from weier.surface.profile import MAX_DENOMINATOR, PARAMETERS
 from weier.units import PASCAL, THERMAL_RESISTANCE
@@ -69,10 +69,9 @@ DASHES = (
 )
 
 
-# style of numerical methods other than the most accurate one, and on many curves. `markevery` is the distance
-# between points over the diagonal of the axes.
+# style of numerical methods other than the most accurate one. `markevery` is the distance between points over the
+# diagonal of the axes.
 POINTS: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgewidth": 0.7, "markevery": 0.06}
-SPARSE_POINTS: dict[str, Any] = {"markevery": 0.15, "markersize": 2.2, "markeredgewidth": 0.6}
 # style of a band between bounds
 BOUND_STYLE: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.35", "linewidth": 0.7, "zorder": 1}
 
@@ -87,25 +86,22 @@ def labels_of(interface: Bodies | None, unit: str) -> dict[str, str]:
 
 def line(method: str) -> dict[str, Any]:
     """Return keywords of Axes.plot for the curve of a method, or of a variant that is not listed as a method."""
-    label, look = _label_and_style(method)
+    label, look = next(((own.label, own.style) for own in _listed(method)), (method, DEFAULT_STYLE))
     return {"label": label, "color": look.color, "linestyle": (0, look.dashes) if look.dashes else "-"}
 
 
 def points(method: str) -> dict[str, Any]:
     """Return keywords of Axes.plot for the points of a numerical method on the line of a more accurate one."""
-    _, look = _label_and_style(method)
-    return line(method) | POINTS | {"marker": look.marker}
+    return line(method) | POINTS | {"marker": registry.find_method(method).style.marker}
 
 
 def sets_axes(method: str) -> bool:
     """Return whether axes follow the curves of a method: a method of the paper, or a numerical one."""
-    return any(entry.in_paper or entry.numerical for entry in registry.METHODS if entry.name == method)
+    return any(own.in_paper or own.numerical for own in _listed(method))
 
 
-def _label_and_style(method: str) -> tuple[str, Style]:
-    return next(
-        ((entry.label, entry.style) for entry in registry.METHODS if entry.name == method), (method, DEFAULT_STYLE)
-    )
+def _listed(method: str) -> list[Method]:
+    return [own for own in registry.METHODS if own.name == method]
 
 
 @cache

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Hashable, Sequence
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from weier import units
 from weier.data import curves
@@ -21,27 +23,6 @@ from weier.surface.profile import PARAMETERS
 
 PIECES = 8  # segments between two loads that look smooth in print
 UNITS = "p_0*", "g_0", "g_0/p_0*"  # units of load, compliance and resistance
-# Properties that may distinguish two traces of one name, with their text in a legend.
-DIFFERENCES: dict[str, Callable[[Any], str]] = {
-    "trace_shortest": lambda shortest: f"shortest {1e6 * shortest:.4g} \u00b5m",
-    "trace_ends": str,
-    "trace_detrend": lambda detrend: f"without {detrend}",
-    "trace_length": lambda length: f"length {1e3 * length:.4g} mm",
-    "trace_filled": lambda filled: f"{filled:.0f} interpolated",
-}
-
-
-class Extent(NamedTuple):
-    """The loads and values of a figure: the first load and full contact, the least positive value and the largest.
-
-    The least value is taken over the numerical curves, if any, since an estimate may vanish long before the contact
-    is full. The largest value is taken over the methods of the paper and the numerical ones, if any.
-    """
-
-    first_load: float
-    full_contact: float
-    least: float
-    largest: float
 
 
 class Values:
@@ -88,6 +69,23 @@ class Values:
         return fine, smooth(fine)
 
 
+def panels_of_series(
+    studies: Sequence[xr.Dataset], title: str, quantity: str, *names: str
+) -> tuple[Figure, list[tuple[Axes, list[Values]]]]:
+    """Return a single-column figure of curves over the load: a panel for each series, with its solved cases.
+
+    A series is a set of values of the named parameters.
+    """
+    solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
+    title, series = style.limit_panels(title, curves.groups(solved, *names), "series")
+    figure, panels = style.column(title, [style.describe(cases[0], *names) for cases in series])
+    for axes in panels:
+        axes.set_ylabel(style.LABELS[quantity])
+    panels[-1].set_xlabel(style.LABELS["mean_pressure"])
+    own = [[Values(case.reset_coords().expand_dims("case"), quantity) for case in cases] for cases in series]
+    return figure, list(zip(panels, own, strict=True))
+
+
 def smooth_compliance(loads: Array, h: Array, slope: Array) -> Callable[[Array], Array] | None:
     """Return compliances as a function of the load, with the resistance as slope; None if either is unknown.
 
@@ -95,19 +93,14 @@ def smooth_compliance(loads: Array, h: Array, slope: Array) -> Callable[[Array],
     """
     if loads.size < 2 or not np.isfinite(h).all() or not np.isfinite(slope).all():
         return None
-    width = np.diff(loads)
-    chord = np.diff(h) / width
-    bend = (slope[..., :-1] + slope[..., 1:] - 2 * chord) / width
-    terms = h, slope, (chord - slope[..., :-1]) / width - bend, bend / width
-    by_load = [np.ascontiguousarray(own.T) for own in terms]  # is read faster
 
     def smooth(at: Array) -> Array:
-        piece = np.clip(np.searchsorted(loads, at, "right") - 1, 0, width.size - 1)
-        values, power = np.zeros(at.size), np.ones(at.size)
-        for own in by_load:
-            values = values + own[piece].T * power
-            power = power * (at - loads[piece])
-        return values
+        left = np.clip(np.searchsorted(loads, at, "right") - 1, 0, loads.size - 2)
+        width = loads[left + 1] - loads[left]
+        t = (at - loads[left]) / width
+        low, high = (1 - t) ** 2, t**2
+        ends = (1 + 2 * t) * low * h[..., left] + (3 - 2 * t) * high * h[..., left + 1]
+        return np.asarray(ends + width * (t * low * slope[..., left] - (1 - t) * high * slope[..., left + 1]))
 
     return smooth
 
@@ -161,8 +154,12 @@ def _phases(row: tuple[float, ...]) -> Hashable:
     return phases[1] if phases[0] == 0 and len(set(phases[1:])) == 1 else phases
 
 
-def extent(tables: Sequence[Values]) -> Extent:
-    """Return the loads and values of all cases that have a curve."""
+def extent(tables: Sequence[Values]) -> tuple[float, float, float, float]:
+    """Return the first load, the load of full contact, the least positive value and the largest of all curves.
+
+    The least value is taken over the numerical curves, if any, since an estimate may vanish long before the contact
+    is full. The largest value is taken over the methods of the paper and the numerical ones, if any.
+    """
     drawn = [(own, rows) for own in tables if (rows := own.known.any(axis=1)).any()]
     first = min(float(own.loads[0]) for own, _ in drawn)
     full = max(float(curves.full_contact_loads(own.study)[rows].max()) for own, rows in drawn)
@@ -177,29 +174,26 @@ def extent(tables: Sequence[Values]) -> Extent:
         best = own.best[rows]
         exact = own.values[rows, best]
         numerical = min(numerical, exact.min(initial=np.inf, where=(best >= 0)[:, None] & shown & (exact > 0)))
-    return Extent(first, full, float(numerical if np.isfinite(numerical) else least), float(largest))
+    return first, full, float(numerical if np.isfinite(numerical) else least), float(largest)
 
 
 def _names_of_traces(tables: Sequence[Values]) -> list[list[str]]:
     """Return a unique name for the trace of each case of each study, empty for a series.
 
-    It consists of the path relative to the common folder and, for several traces of one path, their differences:
-    shortest wavelength, ends, and so on, or the digest.
+    It consists of the path relative to the common folder and, for several traces of one path, the shortest wavelength
+    or, if these agree, the digest.
     """
+    missing = {"trace": "", "trace_digest": "", "trace_shortest": np.nan}
     parts = []
-    for own in tables:
-        columns = ["trace", "trace_digest", *DIFFERENCES]
-        known = {name: own.study[name].values for name in columns if name in own.study.variables}
-        part = pd.DataFrame(known, range(own.study.sizes["case"]), columns)
-        parts.append(part.fillna({"trace": "", "trace_digest": ""}))
-    traces = pd.concat(parts).drop_duplicates("trace_digest").query("trace_digest != ''")
+    for own in (own.study for own in tables):
+        lacking = {name: np.full(own.sizes["case"], value) for name, value in missing.items() if name not in own}
+        parts.append(pd.DataFrame(lacking | {name: own[name].values for name in missing if name in own}))
+    traces = pd.concat(parts).drop_duplicates("trace_digest").query("trace_digest != ''").set_index("trace_digest")
     folder = os.path.commonprefix(traces["trace"].tolist()).rfind("/") + 1  # noqa: RUF071 - of names, not of folders
-    names = {"": ""}
-    for path, alike in traces.groupby("trace"):
-        differing = [name for name in DIFFERENCES if alike[name].notna().all() and alike[name].nunique() > 1]
-        texts = [[DIFFERENCES[name](trace[name]) for name in differing] for _, trace in alike.iterrows()]
-        for digest, own_texts in zip(alike["trace_digest"], texts, strict=True):
-            unique = [digest] * (texts.count(own_texts) > 1)
-            name = ", ".join([path[folder:] or "trace", *own_texts, *unique]).replace("$", r"\$")
-            names[digest] = f" {name}" if name.startswith("_") else name  # matplotlib hides "_..."
-    return [[names[digest] for digest in part["trace_digest"]] for part in parts]
+    names = traces["trace"].str[folder:].replace("", "trace").str.replace("$", r"\$")
+    shortest = (1e6 * traces["trace_shortest"]).map(", shortest {:.4g} \u00b5m".format)
+    for more in (shortest, ", " + names.index):
+        names = names.mask(names.duplicated(keep=False), names + more)
+    names = names.str.replace(r"^_", " _", regex=True)  # matplotlib hides "_..."
+    texts = {"": ""} | names.to_dict()
+    return [[texts[digest] for digest in part["trace_digest"]] for part in parts]

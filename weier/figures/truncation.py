@@ -9,8 +9,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier.figures import series, style
-from weier.figures.tables import Values, extent
+from weier.figures import style
+from weier.figures.tables import Values, extent, panels_of_series
 from weier.figures.values import band, line
 from weier.methods.curve import COMPLIANCE
 from weier.surface.profile import PARAMETERS
@@ -27,13 +27,13 @@ def draw(studies: Sequence[xr.Dataset], title: str, quantity: str) -> Figure:
     (27) bounds the mean gap d, so that compliances of different m are compared as G - d with the same G, the
     amplitude of all terms, not at their own full contact nor at first contact.
     """
-    figure, panels = series.column(studies, title, quantity, *(name for name in PARAMETERS if name != "m"))
+    figure, panels = panels_of_series(studies, title, quantity, *(name for name in PARAMETERS if name != "m"))
     for axes, own in panels:
         cases = sorted(own, key=lambda case: case.study["m"].item())
         _draw_bounds(axes, cases[-1], quantity)
         _draw_curves(axes, cases, quantity)
         if quantity == COMPLIANCE:
-            axes.set(ylabel=LABEL, xlim=(0, extent(cases).full_contact))
+            axes.set(ylabel=LABEL, xlim=(0, extent(cases)[1]))  # to full contact
             axes.set_ylim(bottom=0)
             axes.legend(loc="lower right")
         else:
@@ -46,13 +46,10 @@ def _draw_curves(axes: Axes, cases: Sequence[Values], quantity: str) -> None:
     """Draw the curves of one panel in order of m."""
     names = [style.describe(case.study.isel(case=0), "m") for case in cases]
     looks = dict(zip(shown := list(dict.fromkeys(names)), style.family(len(shown)), strict=True))
-    rows = []
     for number, (name, case) in enumerate(zip(names, cases, strict=True)):
-        (loads, values), own_datum = case.line(0, case.best[0]), datum(case.study, quantity)
+        loads, values = case.line(0, case.best[0])
         label = name if name not in names[:number] else None
-        line(axes, name, loads, values + own_datum, label=label, **looks[name])
-        rows.append((case, own_datum, looks[name]["color"]))
-    series.draw_sparse_points(axes, rows)
+        line(axes, name, loads, values + datum(case.study, quantity), label=label, **looks[name])
 
 
 def datum(case: xr.Dataset, quantity: str) -> float:

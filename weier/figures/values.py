@@ -25,23 +25,18 @@ SIGNS = (
 
 def line(axes: Axes, name: str, x: Any, y: Any, **look: Any) -> None:
     """Draw a line and keep its values; `look` may override the label of the legend."""
-    _keep(axes, name, x, {"": y})
+    keep(axes, name, x, {"": y})
     axes.plot(x, y, **{"label": name} | look)
 
 
 def band(axes: Axes, name: str, x: Any, low: Any, high: Any, **look: Any) -> None:
     """Draw a band, and keep its ends."""
-    keep_band(axes, name, x, low, high)
+    keep(axes, name, x, {", low": low, ", high": high})
     axes.fill_between(x, low, high, label=name, **look)
 
 
-def keep_band(axes: Axes, name: str, x: Any, low: Any, high: Any) -> None:
-    """Keep the ends of a band that is drawn elsewhere."""
-    _keep(axes, name, x, {", low": low, ", high": high})
-
-
-def _keep(axes: Axes, name: str, x: Any, values: dict[str, Any]) -> None:
-    """Keep the values of a curve in a dict by suffix of their headings."""
+def keep(axes: Axes, name: str, x: Any, values: dict[str, Any]) -> None:
+    """Keep the values of a curve, also of one that is drawn elsewhere, in a dict by suffix of their headings."""
     vars(axes.figure).setdefault("curves", []).append((axes, name, x, values))
 
 
