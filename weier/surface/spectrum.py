@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -47,8 +47,6 @@ MIN_RATIO = 4.0  # smallest ratio of the wavelengths: 0.68 of lines on two octav
 # trace, and one square in a mirrored one.
 PERIODIC_SCATTER, MIRRORED_SCATTER = 1.0, 2.0
 EXPONENT_BRACKET = 40.0  # largest |exponent| in bisection; a series has 1 to 3
-# standard deviations of the mean power of half an octave about the law, beyond which the law does not hold there
-OUTLIER_DEVIATIONS = 3.0
 
 
 @dataclass(frozen=True)
@@ -90,17 +88,17 @@ class Fit:
 
 
 def fit(
-    trace: Trace | Sequence[Trace],
+    trace: Trace,
     longest: float | None = None,
     shortest: float | None = None,
     gamma: int | float | str | Fraction = 2,
-) -> Any:
+) -> Fit:
     """Fit the Weierstrass series to the spectrum of a trace between two wavelengths.
 
     Parameters
     ----------
-    trace : Trace or sequence of Trace
-        The measured surface, or several lines of it.
+    trace : Trace
+        The measured surface.
     longest, shortest : float, optional
         Band of wavelengths, in m; by default from a quarter of the length of the trace to its shortest wavelength, or
         the part of it without bends of the spectrum.
@@ -111,8 +109,8 @@ def fit(
 
     Returns
     -------
-    Fit or tuple of Fit
-        D and g_0 with standard errors, lambda_0 and m; for a list of traces, one for each.
+    Fit
+        D and g_0 with standard errors, lambda_0 and m.
 
     Raises
     ------
@@ -133,9 +131,9 @@ def fit(
     c = sum w_k ln k/sum w_k. No bins are needed. g_0 gives the series the variance of the band.
 
     Standard errors are those of a random surface with the fitted spectrum and independent waves, from the derivatives
-    of D and ln g_0 with respect to ln P_k and their correlation, and larger where the spectrum is no power law or may
-    bend. The bias is removed to second order. docs/measured.rst has the part of true values within the errors.
-    Weierstrass series are not random; on lengths of 20 `longest` and more the fit finds their D within 0.01.
+    of D and ln g_0 with respect to ln P_k and their correlation, and larger where the spectrum may bend. The bias is
+    removed to second order. docs/measured.rst has the part of true values within the errors. Weierstrass series are
+    not random; on lengths of 20 `longest` and more the fit finds their D within 0.01.
 
     A likelihood-ratio test finds bends: a roll-off, as ground surfaces have, waviness, noise, or a filter. Without
     `longest`, the law below a roll-off is fitted, and `rolloff` is its wavelength.
@@ -150,10 +148,8 @@ def fit(
     >>> print(f"D = {found.D:.2f}, m = {found.m}, g_0 = {found.g_0:.2e} m")
     D = 1.40, m = 11, g_0 = 1.00e-06 m
     """
-    if isinstance(trace, list | tuple) and trace:
-        return tuple(_fit_one(one, longest, shortest, gamma) for one in trace)
     if not isinstance(trace, Trace):
-        raise ValueError(f"trace must be a weier.Trace, or a list of some, got {shown(trace)}")
+        raise ValueError(f"trace must be a weier.Trace, got {shown(trace)}")
     ratio = checked_ratio(gamma)
     z = trace.g_0 * trace.sampled_height(trace.period * trace.samples)[: trace.samples]
     whole = _spectrum(trace, z)
@@ -177,17 +173,9 @@ def fit(
         )
     if artefact:
         warnings.warn(f"trace {trace.source}: {artefact}" if trace.source else artefact, stacklevel=2)
-    D_error, g_0_error = np.sqrt(law.errors**2 + law.misfit + doubt).tolist()
+    D_error, g_0_error = np.sqrt(law.errors**2 + doubt).tolist()
     lambda_0 = law.longest / math.sqrt(ratio)
     return Fit(law.D, D_error, ratio, law.m, lambda_0, law.g_0, law.g_0 * g_0_error, rolloff, trace.source)
-
-
-def _fit_one(trace: Trace, *arguments: Any) -> Any:
-    """Return the fit of one of several traces, which is named if it is refused."""
-    try:
-        return fit(trace, *arguments)
-    except ValueError as error:
-        raise ValueError(f"trace {trace.source}: {error}" if getattr(trace, "source", "") else str(error)) from None
 
 
 def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fraction) -> tuple[float, float]:
@@ -234,8 +222,7 @@ def _spectrum(trace: Trace, z: Array) -> Spectrum:
 class Law(NamedTuple):
     """The series with the spectrum of the waves between two wavelengths, in m.
 
-    The errors of D and ln g_0 hold for a random surface. `misfit` is the variance to be added to their squares,
-    since the mean power of some half octaves is further from the law than on a random surface.
+    The errors of D and ln g_0 hold for a random surface.
     """
 
     longest: float
@@ -245,7 +232,6 @@ class Law(NamedTuple):
     D: float
     g_0: float
     errors: Array
-    misfit: Array
 
 
 def _law(whole: Spectrum, first: float, last: float, ratio: Fraction) -> Law:
@@ -266,20 +252,7 @@ def _law(whole: Spectrum, first: float, last: float, ratio: Fraction) -> Law:
     errors = np.sqrt(scatter * (influences**2).sum(axis=1))
     bias = -scatter * share @ share / 4 - curvature * float(errors[0]) ** 2
     g_0 = math.sqrt(2 * variance.sum() / variances.sum()) * math.exp(-bias)
-    half_octave, excess = _excess(k, variance, beta, scatter)
-    of_half_octaves = np.array([np.bincount(half_octave, influence) for influence in influences])
-    return Law(first, last, ratio, m, D, g_0, errors, of_half_octaves**2 @ excess)
-
-
-def _excess(k: Indices, variance: Array, beta: float, scatter: float) -> tuple[Indices, Array]:
-    """Return the half octave of each wave, and the square of its mean power over the law, minus 1, where outlying."""
-    half_octave = np.floor(2 * np.log2(k / k[0])).astype(int)
-    half_octave = np.unique(half_octave, return_inverse=True)[1]
-    weight, x = _weights(k)
-    weighted = scipy.special.softmax(log_relative_power(weight * variance) + beta * x)  # weighted power over the law
-    mean = np.bincount(half_octave, weighted) / np.bincount(half_octave, weight)
-    theory = scatter / np.bincount(half_octave)
-    return half_octave, np.maximum((mean - 1) ** 2 - OUTLIER_DEVIATIONS**2 * theory, 0)
+    return Law(first, last, ratio, m, D, g_0, errors)
 
 
 def _straight_law(

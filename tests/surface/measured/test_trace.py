@@ -256,15 +256,3 @@ def test_a_gap_counts_the_filled_heights_of_both():
     assert gap.filled == 3
     with pytest.raises(ValueError, match="first and second must be traces, got"):
         Trace.between(gap, first)
-
-
-def test_an_array_with_positions_has_their_length():
-    """A coordinate without a unit numbers the heights."""
-    z, x = rough(200), 1e-3 * np.arange(200)
-    array = xr.DataArray(z, {"x": ("x", x, {"units": "mm"})}, "x", attrs={"units": "m"})
-    assert Trace(array).lambda_0 == pytest.approx(2e-4)
-    with pytest.raises(ValueError, match="length must be that of 200 steps"):
-        Trace(array, 3e-4)
-    with pytest.raises(ValueError, match="positions must rise in equal steps"):
-        Trace(array.assign_coords(x=("x", x + 4e-4 * (np.arange(200) % 2), {"units": "mm"})))
-    assert Trace(array.assign_coords(x=np.arange(200)), 3e-4).lambda_0 == 3e-4

@@ -143,18 +143,30 @@ def check_jumps(z: Array, step: float) -> None:
 
     `z` is in m, and so is the step along x.
     """
-    _check_abrupt_changes(z, step)
-    _check_isolated_jumps(z, step)
+    if (at := _abrupt_change(z)) is not None:
+        width, size = 1, abs(z[at + 1] - z[at])
+    elif (jump := _isolated_jump(z)) is not None:
+        at, width = jump
+        size = np.ptp(z[at : at + width + 1])
+    else:
+        return
+    # After a spike the heights return within ten steps.
+    back = np.flatnonzero(np.abs(z[at + 2 : at + 11] - z[at]) < size / 2)
+    kind, width = ("spike", int(back[0]) + 2) if back.size else ("step", width)
+    raise ValueError(
+        f"heights must not jump, got a {kind} of {size:.3g} m between heights {at + 1} and {at + width + 1}, behind "
+        f"x = {at * step:.6g} m: cut the trace there, or write what is between as nan, and say max_gap={width}"
+    )
 
 
-def _check_abrupt_changes(z: Array, step: float) -> None:
-    """Refuse abrupt changes from one height to the next without an adjacent flank, however dense they are."""
+def _abrupt_change(z: Array) -> int | None:
+    """Return the first abrupt change between neighbours without an adjacent flank, however dense such changes are."""
     change = np.diff(z)
     change = change - np.median(change)
     size = np.abs(change)
     counted = size[size > SAME_HEIGHT * size.max()]
     if not counted.size:
-        return
+        return None
     # Most changes of heights with few digits are 0 or one unit, so that the scale is at least one unit.
     ordinary = max(float(np.median(counted)) / NORMAL_MEDIAN, float(counted.min()))
     before, after = np.append(0, change[:-1]), np.append(change[1:], 0)
@@ -162,16 +174,11 @@ def _check_abrupt_changes(z: Array, step: float) -> None:
     suspect = (size > ABRUPT_DEVIATIONS * ordinary) & (same_way < size / FLANK_RATIO)
     near = np.convolve(suspect, np.ones(2 * JUMP_NEIGHBOURS - 1), "same") > 0
     abrupt = np.flatnonzero(suspect & (size > JUMP_OUTLIER * size[~near].max(initial=0)))
-    if abrupt.size and not near.all():
-        at = int(abrupt[0])
-        # After a spike the heights return within ten steps.
-        back = np.flatnonzero(np.abs(z[at + 2 : at + 12] - z[at]) < size[at] / 2)
-        width = int(back[0]) + 2 if back.size else 1
-        _refuse_jump("spike" if back.size else "step", at, width, float(size[at]), step, abrupt.size - 1)
+    return int(abrupt[0]) if abrupt.size and not near.all() else None
 
 
-def _check_isolated_jumps(z: Array, step: float) -> None:
-    """Refuse jumps within one to three steps that are far larger than the changes on either side."""
+def _isolated_jump(z: Array) -> tuple[int, int] | None:
+    """Return start and width of a jump within one to three steps that is far larger than the changes around it."""
     change, n = np.abs(np.diff(z)), JUMP_NEIGHBOURS
     largest = sliding_window_view(np.pad(change, n), n).max(axis=1)  # largest of the n changes before each height
     others, jumps = change.copy(), []
@@ -180,20 +187,9 @@ def _check_isolated_jumps(z: Array, step: float) -> None:
         around = np.maximum(largest[: size.size], largest[width + n :])
         for at in np.flatnonzero((size > JUMP_FRACTION * np.ptp(z)) & (size > JUMP_RATIO * around)).tolist():
             others[at : at + width] = 0
-            jumps.append((at, width, size[at]))
-    for at, width, size in jumps:  # the narrowest jumps come first
-        if change[at : at + width].max() > JUMP_OUTLIER * others.max():
-            kind = "step" if abs(z[at + width] - z[at]) > size / 2 else "spike"
-            _refuse_jump(kind, at, width, size, step)
-
-
-def _refuse_jump(kind: str, at: int, width: int, size: float, step: float, others: int = 0) -> None:
-    where = f"between heights {at + 1} and {at + width + 1}, behind x = {at * step:.6g} m"
-    more = f", and {others} more jumps from one height to the next" if others > 1 else ""
-    raise ValueError(
-        f"heights must not jump, got a {kind} of {size:.3g} m {where}{more}: cut the trace there, or write what is "
-        f"between as missing, nan, and say max_gap={width}"
-    )
+            jumps.append((at, width))
+    # The narrowest jumps come first.
+    return next((jump for jump in jumps if change[jump[0] : sum(jump)].max() > JUMP_OUTLIER * others.max()), None)
 
 
 def warn_about_period_end(z: Array) -> None:

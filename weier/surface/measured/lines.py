@@ -12,7 +12,6 @@ import numpy as np
 
 from weier.checks import checked_word, shown
 from weier.kernels.arrays import Array
-from weier.units import unit_of
 
 # The names that calls, scenes and options take, in m. The prefix is the micro sign or the Greek letter mu.
 UNITS = {
@@ -34,11 +33,8 @@ PREFIXES = {"": "m", "centi": "cm", "milli": "mm", "micro": "um", "nano": "nm", 
 SPELLINGS = {
     **{name: name for name in UNITS},
     **{prefix + name: unit for prefix, unit in PREFIXES.items() for name in ("meter", "meters", "metre", "metres")},
-    **dict.fromkeys(("micron", "microns", "mum"), "um"),
-    **dict.fromkeys(("\u00e5", "angstroms", "\u00e5ngstr\u00f6m", "ang"), "angstrom"),
-    **dict.fromkeys(("inches",), "inch"),
-    **dict.fromkeys(("mils", "thou"), "mil"),
-    **dict.fromkeys(("\u03bcin", "microinch", "microinches"), "uin"),
+    **dict.fromkeys(("micron", "microns"), "um"),
+    **dict.fromkeys(("\u00e5", "angstroms"), "angstrom"),
 }
 BRACKETED = {"in": "inch", "a": "angstrom"}  # These are units only in brackets, and words elsewhere.
 
@@ -80,13 +76,6 @@ class Line(NamedTuple):
         """Return the place of the height of this index, in words."""
         return f"height {at + 1}" + (f" in line {self.numbers[at]}" if self.numbers else "")
 
-    def rising(self) -> Line:
-        """Return the line in the order of rising positions, if they fall."""
-        x = np.asarray([] if self.positions is None else self.positions, float)
-        if x.ndim != 1 or x.size < 2 or not (np.diff(x) <= 0).all():
-            return self
-        return self._replace(heights=self.heights[::-1], positions=x[::-1], numbers=self.numbers[::-1])
-
 
 def length_of_steps(x: Array, length: float | None, place: Callable[[int], str]) -> float:
     """Return the length of a line, the step times the number of heights, from rising positions, which may be rounded.
@@ -124,17 +113,6 @@ def _last_decimal(x: Array) -> float:
         if np.allclose(np.rint(x * 10.0**n), x * 10.0**n, rtol=0, atol=1e-4):
             return float(10.0**-n)
     return 0.0
-
-
-def line_from_array(heights: Any) -> Line:
-    """Return the line of an array: one of xarray may have a unit, and a coordinate of positions with a unit."""
-    height_unit = length_unit(unit_of(heights))
-    dims: tuple[Any, ...] = getattr(heights, "dims", ())
-    if len(dims) == 1 and dims[0] in getattr(heights, "coords", ()):
-        coordinate = heights.coords[dims[0]]
-        if x_unit := length_unit(unit_of(coordinate)):
-            return Line(heights, coordinate.values, x_unit, height_unit)
-    return Line(heights, height_unit=height_unit)
 
 
 def heading_of(line: str, columns: int, delimiter: str | None) -> list[tuple[str, str]]:

@@ -32,7 +32,6 @@ MISSING = {
 }
 RULES = {"", "--", "---"}  # words for missing heights that also form lines above and below a table
 MAX_FLAGS = 3  # so few different entries of a column may be signs of numbers, or mark those that are valid
-VALIDITY, VALID = re.compile(r"(is[ _]?)?valid(ity)?", re.IGNORECASE), {"1", "true", "True", "TRUE", "yes"}
 SAMPLE_LINES = 200  # approximate number of lines sampled for the signs of a table
 END_ROWS = 5  # rows at the start of one column that may be a count, a step or a length
 # numbers with all digits in groups of three
@@ -206,11 +205,9 @@ class _Table:
         for column in self.columns:
             problem, remedy = f"has no number in column {column}", f"write nan for a missing height, {otherwise}"
             self._refuse_first((not self.signs.is_known(row[column]) for row in rows), problem, remedy)
-        headings = [self.signs.split(line.lstrip(PREFIXES)) for line in self.lines[: self.block[0]]]
         for column in {*range(len(self.form))} - {*self.columns}:
             entries = Counter(row[column] for row in rows if row[self.columns[-1]] not in MISSING)
-            marks = any(VALIDITY.fullmatch(cell) for cells in headings for cell in cells[column : column + 1])
-            if 1 < len(entries) <= MAX_FLAGS or "-" in entries or (marks and not VALID.issuperset(entries)):
+            if 1 < len(entries) <= MAX_FLAGS or "-" in entries:
                 rare = entries.most_common()[-1][0]
                 problem = f"has an entry in column {column} that may be a sign, or mark heights that are not valid"
                 remedy = f"write signs in front of numbers, nan for what is not valid, or {PANDAS}"

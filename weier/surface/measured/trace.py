@@ -24,7 +24,7 @@ from weier import units
 from weier.checks import checked_file, checked_number, checked_word, readable, shown
 from weier.kernels.arrays import Array, Indices
 from weier.surface.measured import artefacts as measured
-from weier.surface.measured.lines import UNITS, Line, known_unit, length_of_steps, line_from_array
+from weier.surface.measured.lines import UNITS, Line, known_unit, length_of_steps, length_unit
 from weier.surface.measured.text import read_columns
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import MAX_WAVES, Waves
@@ -52,8 +52,8 @@ class Trace(Waves):
     Parameters
     ----------
     heights : array_like, shape (samples,)
-        Heights at equal steps, upwards out of the body. NaN, None and masked values are missing. An xarray array may
-        have the attribute `units` and a coordinate of positions with a unit.
+        Heights at equal steps, upwards out of the body. NaN, None and masked values are missing. An array may have a
+        unit, as of xarray or pint.
     length : float
         Length of the trace, the number of heights times the step, in m, or in `x_unit` or `unit` if given.
     shortest : float, optional
@@ -147,7 +147,9 @@ class Trace(Waves):
             raise ValueError(f"source must be a text, got {shown(source)}")
         checked_word("ends", ends, ENDS)
         detrend = _checked_detrend(detrend, ends)
-        one = (heights if isinstance(heights, Line) else line_from_array(heights)).rising()
+        one = heights
+        if not isinstance(one, Line):
+            one = Line(heights, height_unit=length_unit(units.unit_of(heights)))
         height_factor = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_unit)]
         z = measured.with_gaps(one.heights, missing_value)
         length_units = {"unit": unit, "x_unit": x_unit}
