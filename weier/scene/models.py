@@ -36,7 +36,7 @@ from weier.scene.figure import Figure, Grouping
 from weier.scene.study import check_value
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
 from weier.scene.yaml import Keys, Mistake, number
-from weier.surface.loads import check_pascal, check_range, listed_loads
+from weier.surface.loads import check_range, listed_loads
 from weier.units import NORMALISED_PRESSURE, PASCAL, factor
 from weier.units import NUMBER as QUANTITY
 
@@ -154,7 +154,7 @@ def _pressures(parts: list[tuple[list[float], str]]) -> Pressures:
         raise ValueError(f"loads must all be in one unit, got {unit} and {others[0]}")
     scale = 1.0 if unit == NORMALISED_PRESSURE else factor("loads", unit, PASCAL)
     loads, _ = listed_loads([scale * value for values, _ in parts for value in values])
-    (check_range if unit == NORMALISED_PRESSURE else check_pascal)(loads)
+    check_range(loads, unit if unit == NORMALISED_PRESSURE else PASCAL)
     return Pressures(loads.tolist(), unit)
 
 

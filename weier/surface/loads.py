@@ -13,8 +13,9 @@ from weier.checks import checked_number, checked_numbers
 from weier.kernels.arrays import Array, Indices
 from weier.surface.waves import Waves
 
-LOAD_RANGE = 1e-12, 1e12  # p_0*; outside, rounding leaves few digits of the compliance
 MAX_PASCAL = 1e13  # Pa; exceeds any modulus
+# Outside the range in p_0*, rounding leaves few digits of the compliance.
+LOAD_RANGE = {units.NORMALISED_PRESSURE: (1e-12, 1e12), units.PASCAL: (0.0, MAX_PASCAL)}
 SUSPECT_LOAD_RATIO = 100.0  # ratio to full contact above which loads are probably in Pa
 
 
@@ -75,22 +76,10 @@ def unit_doubt(profile: Waves, loads: Array) -> str:
     )
 
 
-def check_count(loads: Array) -> None:
-    """Refuse more loads than a scene or a command may have."""
+def check_range(loads: Array, unit: str = units.NORMALISED_PRESSURE) -> None:
+    """Refuse more loads than a scene may have, and loads outside of the range of their unit."""
     if loads.size > units.MAX_LISTED:
         raise ValueError(f"there must be at most {units.MAX_LISTED} loads, got {loads.size}")
-
-
-def check_pascal(loads: Array) -> None:
-    """Refuse more loads than a scene may have, and loads in Pa above any modulus."""
-    check_count(loads)
-    if loads.max() > MAX_PASCAL:
-        raise ValueError(f"loads must be at most {MAX_PASCAL:g} Pa, got {loads.max():g} Pa: is the unit right?")
-
-
-def check_range(loads: Array) -> None:
-    """Refuse more loads than a scene may have, and loads that are too light or heavy for double precision."""
-    check_count(loads)
-    low, high = LOAD_RANGE
+    low, high = LOAD_RANGE[unit]
     if loads.min() < low or loads.max() > high:
-        raise ValueError(f"loads must lie in [{low:g}, {high:g}] p_0*, got {loads.min():g} to {loads.max():g}")
+        raise ValueError(f"loads must lie in [{low:g}, {high:g}] {unit}, got {loads.min():g} to {loads.max():g}")

@@ -9,7 +9,7 @@ N = np.arange(2000)
 
 
 def length(x):
-    return length_of_steps(np.asarray(x, float), None, lambda at: f"height {at + 1}")
+    return length_of_steps(np.asarray(x, float), None)
 
 
 def rounded(step, decimals, cut=False):
@@ -49,9 +49,9 @@ def test_a_row_left_out_never_passes_where_all_rows_pass():
 
 def test_a_length_must_be_that_of_the_positions():
     x = 5.0 * np.arange(200)
-    assert [length_of_steps(x, length, str) for length in (1000.0, 999.0)] == [1000, 999]  # the latter is rounded
+    assert [length_of_steps(x, length) for length in (1000.0, 999.0)] == [1000, 999]  # the latter is rounded
     with pytest.raises(ValueError, match=r"length must be that of 200 steps .* about 1000, got 900"):
-        length_of_steps(x, 900.0, str)
+        length_of_steps(x, 900.0)
 
 
 def test_positions_in_more_digits_must_be_equal_steps():

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -72,7 +72,7 @@ def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None
     return z
 
 
-def without_gaps(z: Array, max_gap: int, place: Callable[[int], str]) -> tuple[Array, int]:
+def without_gaps(z: Array, max_gap: int) -> tuple[Array, int]:
     """Return the heights with runs of missing ones interpolated linearly, and the number of these.
 
     The trace is cut off where heights at its ends are missing. A run that is longer than `max_gap` is refused, and so
@@ -87,13 +87,10 @@ def without_gaps(z: Array, max_gap: int, place: Callable[[int], str]) -> tuple[A
     gaps = np.diff(known) - 1
     inside, longest = int(gaps.sum()), int(gaps.max(initial=0))
     if longest > max_gap or max_gap == 0:
-        first = int(np.isnan(z).argmax())
-        cut = z.size - known.size - inside
-        summary = f"{z.size - known.size} of {z.size} heights are missing, the first is {place(first)}"
-        summary += f", at most {longest} adjacent, from {place(int(known[gaps.argmax()]) + 1)}" * (longest > 0)
         raise ValueError(
-            f"{summary}{f', {cut} of them at the ends' * (cut > 0)}: say max_gap={max(longest, 1)} to fill them on "
-            f"straight lines{' and cut off the ends' * (cut > 0)}, or take a part of the trace"
+            f"{z.size - known.size} of {z.size} heights are missing, the first is height {np.isnan(z).argmax() + 1}, "
+            f"at most {longest} adjacent between others: say max_gap={max(longest, 1)} to fill these on straight "
+            "lines and cut off missing ends, or take a part of the trace"
         )
     within = np.arange(known[0], known[-1] + 1)
     if within.size < MIN_HEIGHTS:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,7 +36,6 @@ SPELLINGS = {
     **dict.fromkeys(("micron", "microns"), "um"),
     **dict.fromkeys(("\u00e5", "angstroms"), "angstrom"),
 }
-BRACKETED = {"in": "inch", "a": "angstrom"}  # These are units only in brackets, and words elsewhere.
 
 # Words that may precede a unit in the cell of a heading. Next to any other word, the unit may be a multiple or belong
 # to another quantity. A letter x or z decides, as in `position z`.
@@ -47,7 +46,7 @@ NEUTRAL_WORDS = "y|h|s|r|p|w|raw|measured|filtered|surface|scan|axis|coordinate|
 _NAMES = "|".join(sorted(map(re.escape, SPELLINGS), key=len, reverse=True))
 CELL = re.compile(
     rf"((?:(?:{POSITION_WORDS}|{HEIGHT_WORDS}|{NEUTRAL_WORDS})\d?(?:[\s_:./,=-]+|$|(?=[\[({{<])))*)"
-    rf"(?:[\[({{<]\s*({_NAMES}|{'|'.join(BRACKETED)})\s*[\])}}>]|({_NAMES}))?",
+    rf"(?:[\[({{<]\s*({_NAMES})\s*[\])}}>]|({_NAMES}))?",
     re.IGNORECASE,
 )
 
@@ -63,24 +62,18 @@ class Line(NamedTuple):
     heights : array, shape (samples,); masked, NaN or None for missing heights
     positions : array, shape (samples,), along the line; None if it has none
     x_unit, height_unit : the units that are named for positions and for heights; empty if none is
-    numbers : in a file of text, the number of the line of each height, from 1
     """
 
     heights: Any
     positions: Any = None
     x_unit: str = ""
     height_unit: str = ""
-    numbers: tuple[int, ...] = ()
-
-    def place(self, at: int) -> str:
-        """Return the place of the height of this index, in words."""
-        return f"height {at + 1}" + (f" in line {self.numbers[at]}" if self.numbers else "")
 
 
-def length_of_steps(x: Array, length: float | None, place: Callable[[int], str]) -> float:
+def length_of_steps(x: Array, length: float | None) -> float:
     """Return the length of a line, the step times the number of heights, from rising positions, which may be rounded.
 
-    ValueError is raised unless the steps are equal and agree with the `length`; `place` names the place of a height.
+    ValueError is raised unless the steps are equal and agree with the `length`.
     """
     rows, rise = np.arange(x.size), np.diff(x)
     step = float(np.polyfit(rows, x, 1)[0]) if np.isfinite(x).all() else math.nan
@@ -93,8 +86,8 @@ def length_of_steps(x: Array, length: float | None, place: Callable[[int], str])
         unknown = ~np.isfinite(x)
         at = int(unknown.argmax() if unknown.any() else np.abs(rise - np.median(rise)).argmax() + 1)
         raise ValueError(
-            f"positions must rise in equal steps, got {x[at]} at {place(at)}: say columns=(1, 0) if the positions "
-            'are in the second column, decimal="," for decimal commas, skip= or rows= for a part of the file, '
+            f"positions must rise in equal steps, got {x[at]} at height {at + 1}: say columns=(1, 0) if those are in "
+            'the second column, decimal="," for decimal commas, skip= or rows= for a part of the file, '
             "interpolate the heights at equal steps by numpy.interp, or, if no row is left out, take the column of "
             "heights alone, as in columns=1, with the length"
         )
@@ -174,5 +167,4 @@ def known_unit(what: str, given: Mapping[str, Any], named: str = "", required: b
 
 def _known(name: str) -> str:
     """Return a unit by one of its spellings; an empty name if it is none."""
-    spellings = SPELLINGS | BRACKETED
-    return "" if name == "M" else spellings.get(name, spellings.get(name.lower(), ""))
+    return "" if name == "M" else SPELLINGS.get(name, SPELLINGS.get(name.lower(), ""))

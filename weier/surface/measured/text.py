@@ -144,7 +144,6 @@ class _Table:
             values[:, 0] if len(self.columns) == 2 else None,
             x_unit="".join(named[:-1]),
             height_unit=named[-1],
-            numbers=tuple(at + 1 for at in self.block),
         )
 
     def _find_signs(self, sample: Sequence[int], columns: Sequence[int]) -> tuple[_Signs, list[list[str]]]:

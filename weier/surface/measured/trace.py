@@ -154,7 +154,7 @@ class Trace(Waves):
         z = measured.with_gaps(one.heights, missing_value)
         length_units = {"unit": unit, "x_unit": x_unit}
         length, given = _length(one, length, length_units), z.size
-        z, filled = measured.without_gaps(z, max_gap, one.place)
+        z, filled = measured.without_gaps(z, max_gap)
         if z.size < given:
             if ends == PERIODIC:
                 raise ValueError(f"heights must be a whole period, got {given - z.size} that are missing at its ends")
@@ -405,14 +405,12 @@ def _checked_detrend(detrend: str | None, ends: str) -> str:
 def _length(one: Line, length: float | None, given: Mapping[str, Any]) -> float:
     """Return the length of the line, in m, from the call or the positions."""
     if length is not None:
-        unit_of_call = next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")
-        scale = 1.0 if units.unit_of(length) else UNITS[unit_of_call]
+        scale = 1.0 if units.unit_of(length) else UNITS[known_unit("the length", given, required=False) or "m"]
         number = checked_number("length", length, "be positive and finite", lambda x: 0 < x < math.inf, units.METRE)
         length = number if scale == 1 else _decimal(scale * number)
     if one.positions is not None:
         unit = UNITS[known_unit("positions", given, one.x_unit)]
-        return _decimal(unit * length_of_steps(one.positions, None if length is None else length / unit, one.place))
-    known_unit("the length", given, one.x_unit, required=False)
+        return _decimal(unit * length_of_steps(one.positions, None if length is None else length / unit))
     if length is None:
         raise ValueError("length must be given where heights have no positions: in m, or in x_unit")
     return length
