@@ -9,7 +9,6 @@ from weier.methods.patches.rule import (
     add_self_influence_blocks,
     expand_forces,
     forces_from_expansion,
-    make_rule,
     place_nodes,
     self_influence_tables,
 )
@@ -45,9 +44,8 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
     kind = KINDS[dual]
     r, dense = RADII * period, np.zeros((FIRST[-1], FIRST[-1]))
     offset, left, diagonal = placed(FIRST, r, period, dual)
-    add_self_influence_blocks(
-        FIRST, left, diagonal, self_influence_tables(tuple(FIRST), kind), kind.shift, kind.hankel_sign, dense
-    )
+    table = self_influence_tables(FIRST, kind, False)
+    add_self_influence_blocks(FIRST, left, diagonal, table, kind.shift, kind.hankel_sign, dense)
     for j, K in enumerate(COUNTS):
         here, wave = slice(FIRST[j], FIRST[j + 1]), waves(K, dual)
         t, k = -np.cos(angles(K, dual)), np.arange(K)
@@ -65,8 +63,8 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
         np.testing.assert_allclose(dense[here, here][upper], expected[upper], atol=2e-13 * scale)
     assert not np.any(np.tril(dense, -1))
     force = np.random.default_rng(0).normal(size=FIRST[-1])
-    total, rule = diagonal * force, make_rule(FIRST, kind)
-    add_self_influence(FIRST, rule.own, rule.start, left, force, total)
+    total = diagonal * force
+    add_self_influence(FIRST, table, kind.shift, kind.hankel_sign, left, force, total)
     both = dense + dense.T - np.diag(np.diag(dense))
     np.testing.assert_allclose(total, both @ force, atol=1e-12 * np.abs(both @ force).max())
 
@@ -78,12 +76,13 @@ def test_the_own_influence_is_inverted_degree_by_degree(dual, period):
     """
     nodes, r = 9, np.array([0.13]) * period
     first, wave = np.array([0, nodes]), waves(nodes, dual)
-    rule = make_rule(first, KINDS[dual])
+    kind = KINDS[dual]
+    inverse = self_influence_tables(first, kind, True)
     _, left, _ = placed(first, r, period, dual)
     weight = np.pi / (nodes + 1) * np.sin(angles(nodes, dual)) ** 2 * 2 * np.pi * r**2
     for k in range(nodes):
         force = np.zeros(nodes)
-        add_self_influence(first, rule.inverse, rule.start, 1 / left, wave[k], force)
+        add_self_influence(first, inverse, kind.shift, kind.hankel_sign, 1 / left, wave[k], force)
         force *= 2 * period**2 if dual else 0.5
         expected = weight * wave[k] / (k + 1) if dual else k / (2 * nodes) * wave[k]
         np.testing.assert_allclose(force, expected, atol=1e-12 * period**2)

@@ -18,13 +18,11 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.kind import Kind, KindNumbers, numbers_of
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums, potential
 from weier.methods.patches.rule import (
-    Rule,
     Table,
     add_self_influence,
     add_self_influence_blocks,
     expand_forces,
     forces_from_expansion,
-    make_rule,
     place_nodes,
     self_influence_tables,
 )
@@ -46,8 +44,8 @@ class Punches(NamedTuple):
     nodes : result of `place_nodes`, shape (4, nodes)
     period : L, in lambda_0
     kind : `CONTACTS` or `GAPS`
-    rule, matrix : self-influences and kernel between all nodes, for conjugate gradients; None for a direct
-        solution
+    tables, matrix : tables of self-influences and of their inverses, and the kernel between all nodes, for conjugate
+        gradients; None for a direct solution
     """
 
     segments: Segments
@@ -55,7 +53,7 @@ class Punches(NamedTuple):
     nodes: Table
     period: float
     kind: Kind
-    rule: Rule | None = None
+    tables: tuple[Array, Array] | None = None
     matrix: PairMatrix | None = None
 
     @property
@@ -101,7 +99,8 @@ def make_punches(segments: Segments, period: float, kind: Kind, most: int | None
     if nodes.shape[1] <= (MAX_DIRECT if most is None else most):
         return punches
     matrix = make_pair_matrix(nodes[3], punches.offset, period, kind.is_slope)
-    return punches._replace(rule=make_rule(segments.first_node, kind), matrix=matrix)
+    own, inverse = (self_influence_tables(segments.first_node, kind, is_inverse) for is_inverse in (False, True))
+    return punches._replace(tables=(own, inverse), matrix=matrix)
 
 
 def _check_apart(is_apart: bool) -> None:
@@ -160,20 +159,22 @@ def _close(force: Table, load: float, period: float, numbers: KindNumbers) -> tu
 
 def displacement(punches: Punches, force: Array) -> Array:
     """Return the effect of the forces at the nodes: a displacement, in g_0, or a pressure, in p_0*."""
-    assert punches.rule is not None
+    assert punches.tables is not None
     assert punches.matrix is not None
-    rule, total = punches.rule, pair_sums(punches.matrix, force)
+    kind, total = punches.kind, pair_sums(punches.matrix, force)
     total += punches.nodes[2] * force
-    add_self_influence(punches.segments.first_node, rule.own, rule.start, punches.left, force, total)
-    return np.asarray(punches.kind.factor(punches.period) * total)
+    rule = punches.segments.first_node, punches.tables[0], kind.shift, kind.hankel_sign
+    add_self_influence(*rule, punches.left, force, total)
+    return np.asarray(kind.factor(punches.period) * total)
 
 
 def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
     """Apply the preconditioner: segments interact as flat punches, or not at all."""
-    assert punches.rule is not None
-    segments, rule, force = punches.segments, punches.rule, np.zeros(residual.size)
-    add_self_influence(segments.first_node, rule.inverse, rule.start, 1 / punches.left, residual, force)
-    force /= -punches.kind.factor(punches.period)
+    assert punches.tables is not None
+    segments, kind, force = punches.segments, punches.kind, np.zeros(residual.size)
+    rule = segments.first_node, punches.tables[1], kind.shift, kind.hankel_sign
+    add_self_influence(*rule, 1 / punches.left, residual, force)
+    force /= -kind.factor(punches.period)
     if inverse is not None:
         mean = np.add.reduceat(residual, segments.first_node[:-1]) / segments.node_count
         force += punches.at_nodes(solve_forces(inverse, mean) / segments.node_count)
@@ -191,7 +192,7 @@ def solve_forces_on_contacts(
     if punches.matrix is not None:
         return _solve_iteratively(punches, forcing, load, start, residual, reduction)
     segments, kind, period = punches.segments, punches.kind, punches.period
-    table, numbers = self_influence_tables(tuple(segments.first_node.tolist()), kind), numbers_of(kind, period)
+    table, numbers = self_influence_tables(segments.first_node, kind, False), numbers_of(kind, period)
     matrix, right = _equations(segments.arrays, punches.nodes, table, forcing, period, numbers)
     _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, lower=1, overwrite_a=1, overwrite_b=1)
     _check_apart(not failed)

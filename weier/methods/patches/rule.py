@@ -10,13 +10,13 @@ of sin(n theta_i) sin(n theta_j), and so a function of theta_i - theta_j and of 
 
     own_ij = left_i left_j [X(i - j) +- X(i + j + shift)],   i != j,
 
-a Toeplitz and a Hankel matrix of one table X for each number of nodes. Its inverse has the same form, with 1/left.
+a Toeplitz and a Hankel matrix of one table X for each number of nodes. Its inverse has the same form, with 1/left;
+for contacts, it is that of all but the mean.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,19 +27,6 @@ from weier.methods.patches.kind import Kind
 from weier.methods.patches.surface import distances_between
 
 Table = NDArray[np.float64]
-
-
-class Rule(NamedTuple):
-    """Self-influences of segments, for conjugate gradients.
-
-    own : matrices (K, K) for each number of nodes K, one after the other, row by row, without the factors `left`
-    inverse : inverses of these; for contacts, of all but the mean
-    start : where the matrix of each segment begins, shape (segments,)
-    """
-
-    own: Array
-    inverse: Array
-    start: Indices
 
 
 @kernel
@@ -100,7 +87,7 @@ def _cosine_sums(N: int, power: int) -> Array:
 
 @lru_cache(maxsize=256)
 def _self_influence_table(K: int, kind: Kind, inverse: bool) -> Array:
-    """Return the table X of a segment with K nodes, optionally for the inverse, shape (2 K + 1,).
+    """Return the table X(q) of a segment with K nodes, optionally for the inverse, for q = 1 - K..2 K, shape (3 K,).
 
     X(q) is minus the sum, minus the kernel contained in the sum over all nodes, of the angle pi q/2N. For the inverse
     it is the sum of the reciprocal powers over N^2.
@@ -111,45 +98,29 @@ def _self_influence_table(K: int, kind: Kind, inverse: bool) -> Array:
     else:
         X, sine = -_cosine_sums(N, kind.power), np.sin(0.5 * np.pi / N * np.arange(1, N + 1))
         X[1:] -= kind.self_kernel(sine)
-    return np.append(X, X[-2::-1])[: 2 * K + 1]  # X is even about N
+    return np.concatenate([X[K - 1 : 0 : -1], X, X[-2::-1]])[: 3 * K]  # X is even about 0 and N
 
 
-@lru_cache(maxsize=256)
-def self_influence_tables(first_node: tuple[int, ...], kind: Kind) -> Array:
-    """Return the tables X of all segments; the table of segment j begins at entry 2 first_node[j] + j."""
-    return np.concatenate([_self_influence_table(K, kind, False) for K in np.diff(first_node).tolist()])
-
-
-def make_rule(first_node: Indices, kind: Kind) -> Rule:
-    """Return the self-influences of segments, one for each number of nodes, since few numbers occur."""
-    counts, which = np.unique(first_node[1:] - first_node[:-1], return_inverse=True)
-    own, inverse = (
-        np.concatenate([_self_influence_block(K, kind, is_inverse).ravel() for K in counts.tolist()])
-        for is_inverse in (False, True)
+def self_influence_tables(first_node: Indices, kind: Kind, inverse: bool) -> Array:
+    """Return the tables X of all segments; the table of segment j begins at entry 3 first_node[j]."""
+    return np.concatenate(
+        [_self_influence_table(K, kind, inverse) for K in (first_node[1:] - first_node[:-1]).tolist()]
     )
-    return Rule(own, inverse, np.append(0, np.cumsum(counts**2))[which])
-
-
-def _self_influence_block(K: int, kind: Kind, inverse: bool) -> Table:
-    """Return the matrix X(i - j) +- X(i + j + shift) of K nodes."""
-    X, i = _self_influence_table(K, kind, inverse), np.arange(K)
-    return np.asarray(X[np.abs(i[:, None] - i)] + kind.hankel_sign * X[i[:, None] + i + kind.shift])
 
 
 @kernel
 def add_self_influence(
-    first_node: Indices, block: Array, start: Indices, left: Array, f: Array, result: Array
+    first_node: Indices, table: Array, shift: int, hankel_sign: float, left: Array, f: Array, result: Array
 ) -> None:
     """Add the self-influence of each segment, or its inverse, times f."""
     for j in range(first_node.size - 1):
         first, K = first_node[j], first_node[j + 1] - first_node[j]
-        total = np.empty(K)
-        for i in range(K):
-            total[i] = 0.0
-        for k in range(K):  # the compiler vectorises the loop along rows of the symmetric matrix
-            g, row = left[first + k] * f[first + k], block[start[j] + k * K : start[j] + (k + 1) * K]
+        total, zero = np.zeros(K), 3 * first + K - 1  # the entry X(0)
+        for k in range(K):  # the compiler vectorises the loop along rows of both matrices
+            g, toeplitz = left[first + k] * f[first + k], table[zero - k : zero - k + K]
+            hankel = table[zero + k + shift : zero + k + shift + K]
             for i in range(K):
-                total[i] += g * row[i]
+                total[i] += g * (toeplitz[i] + hankel_sign * hankel[i])
         for i in range(K):
             result[first + i] += left[first + i] * total[i]
 
@@ -160,10 +131,11 @@ def add_self_influence_blocks(
 ) -> None:
     """Add the self-influence of each segment, from its table, to the upper triangle of a matrix of all nodes."""
     for j in range(first_node.size - 1):
-        first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
+        first, last = first_node[j], first_node[j + 1]
+        zero = 2 * first + last - 1
         for i in range(first, last):
             for k in range(i, last):
-                both = table[start + k - i] + hankel_sign * table[start + i + k - 2 * first + shift]
+                both = table[zero + k - i] + hankel_sign * table[zero + i + k - 2 * first + shift]
                 matrix[i, k] += left[i] * left[k] * both
             matrix[i, i] += diagonal[i]
 
