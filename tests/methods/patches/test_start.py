@@ -9,26 +9,9 @@ from weier import Profile, Trace, random_phases
 from weier.methods import patches, westergaard
 from weier.methods.patches import solver, start
 from weier.methods.patches.gaps import GAPS
+from weier.methods.patches.kind import NEW_CONTACT_WIDTH
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
-
-
-def gap_with_a_parabola(at, depth, curvature, n=16):
-    """A gap of 1 but for three nodes about a parabola that is lowest beside one of them, at -depth."""
-    gap, around = np.ones(n), np.round(at) + np.arange(-1, 2)
-    gap[around.astype(int) % n] = 0.5 * curvature * (around - at) ** 2 - depth
-    return gap
-
-
-@pytest.mark.parametrize("at", [5.3, 7.8, 15.6, -0.3])
-def test_a_contact_between_nodes_is_on_the_crest_of_a_parabola(at):
-    spacing, depth, curvature = 0.25, 1e-3, 0.04
-    gap = gap_with_a_parabola(at, depth, curvature)
-    (middle,), (half_width,) = start._contacts_between_nodes(gap, np.zeros(16, bool), spacing)
-    turns = (middle / spacing - at) / 16
-    assert turns == pytest.approx(np.round(turns), abs=1e-12)
-    reach = spacing * np.sqrt(2 * depth / curvature)
-    assert half_width == pytest.approx(start.NEW_CONTACT_WIDTH * reach)
 
 
 @pytest.mark.parametrize("load", [1e-12, 1e-6, 1e-3, 0.1])
@@ -38,14 +21,7 @@ def test_a_new_contact_has_half_its_final_width_within_a_factor_of_two(load):
     overlap = np.sqrt(2 * westergaard.compliance(load)) / (2 * np.pi)  # of the parabola of curvature (2 pi)^2 g_0
     by_hertz = overlap * np.sqrt(2 / (1 - 2 * np.log(np.pi * half_width)))
     assert half_width == pytest.approx(by_hertz, rel=0.03)
-    assert 0.5 < half_width / (start.NEW_CONTACT_WIDTH * overlap) < 2
-
-
-def test_no_contact_is_missed_where_the_crest_is_below_the_plane_or_touches_at_a_node():
-    free, contact = np.zeros(16, bool), np.zeros(16, bool)
-    contact[6] = True
-    assert start._contacts_between_nodes(gap_with_a_parabola(5.3, -1e-3, 0.04), free, 1.0).shape == (2, 0)
-    assert start._contacts_between_nodes(gap_with_a_parabola(5.3, 1e-3, 0.04), contact, 1.0).shape == (2, 0)
+    assert 0.5 < half_width / (NEW_CONTACT_WIDTH * overlap) < 2
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.staircase import in_continuum
@@ -20,7 +20,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.method import TOLERANCES
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS
-from weier.methods.patches.kind import NEW_CONTACT_WIDTH, Kind
+from weier.methods.patches.kind import Kind
 from weier.methods.patches.segments import (
     ContactState,
     Route,
@@ -34,7 +34,6 @@ from weier.methods.patches.surface import (
     distances_between,
     evaluate_at,
     from_crests,
-    in_order,
     intervals_between,
     surface_of,
 )
@@ -98,85 +97,31 @@ class Starts:
         solution = self._grid(per_wave).solve_discrete(load, True, GUESS_TOLERANCE)
         if not np.isfinite(solution.resistance):
             return None
-        plane, _, first, last, edge = in_continuum(solution)
-        gap, spacing = solution.gap + (plane - solution.plane), self.surface.heights.period / solution.contact.size
-        found = _nodal_contacts(solution.pressure, gap, solution.contact, first, last, edge, spacing)
+        edge = self.surface.heights.period / solution.contact.size * in_continuum(solution)[-1]
+        left, right = edge.reshape(-1, 2).T
+        found = 0.5 * np.stack([left + right, right - left])[:, right > left]
         return found if found.size > 0 else None
 
 
-@kernel
-def _nodal_contacts(
-    pressure: Array, gap: Array, contact: Flags, first: Indices, last: Indices, edge: Array, spacing: float
-) -> Intervals:
-    """Return the loaded contacts of a grid, and the crests between its nodes that stand above the plane.
-
-    The result is empty in full contact, which has no `first` and `last` node.
-    """
-    n, count = first.size, 0
-    missed = _contacts_between_nodes(gap, contact, spacing)
-    found = np.empty((2, n + missed.shape[1]))
-    for j in range(n):
-        left, right, force = edge[2 * j], edge[2 * j + 1], 0.0
-        for i in range(first[j], last[j] + 1):
-            force += pressure[i % pressure.size]
-        if force > 0 and right > left:
-            found[0, count], found[1, count] = 0.5 * spacing * (left + right), 0.5 * spacing * (right - left)
-            count += 1
-    for j in range(missed.shape[1]):
-        found[0, count], found[1, count] = missed[0, j], missed[1, j]
-        count += 1
-    return found[:, :count]
-
-
-@kernel
-def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> Intervals:
-    """Return the contacts on crests that stand above the plane between nodes, by parabolas through the gap."""
-    n, count, found = gap.size, 0, np.empty((2, gap.size // 2 + 1))
-    for i in range(n):
-        after = (i + 1) % n
-        if contact[i - 1] or contact[i] or contact[after] or not gap[i - 1] >= gap[i] < gap[after]:
-            continue
-        slope, curvature = 0.5 * (gap[after] - gap[i - 1]), gap[after] - 2 * gap[i] + gap[i - 1]
-        overlap = 0.5 * slope**2 / curvature - gap[i]
-        if overlap > 0:
-            half_width = NEW_CONTACT_WIDTH * np.sqrt(2 * overlap / curvature)
-            found[0, count], found[1, count] = spacing * (i - slope / curvature), spacing * half_width
-            count += 1
-    return found[:, :count]
-
-
 def _make_guess(series: CosineSeries, load: float, kind: Kind, places: Intervals) -> ContactState:
-    """Return segments, given in any order, without nodes."""
-    order, turns = in_order(places[0], series.period)
-    placed = *from_crests(series, (places[0] - turns)[order]), places[1, order]
-    return ContactState(kind, load, 0.0, Segments(*placed))
+    """Return segments, given in order round the period, without nodes."""
+    return ContactState(kind, load, 0.0, Segments(*from_crests(series, places[0]), places[1]))
 
 
-@kernel
 def merge_overlaps(places: Intervals, period: float) -> Intervals:
     """Return intervals in order, with overlapping ones merged, since the edges of a grid are not exact."""
-    found, last = np.empty(places.shape), 0
-    middle, half_width = found
-    for j in range(middle.size):  # Few are out of order.
-        x, i = places[0, j] - period * np.floor(places[0, j] / period), j
-        while i > 0 and middle[i - 1] > x:
-            middle[i], half_width[i] = middle[i - 1], half_width[i - 1]
-            i -= 1
-        middle[i], half_width[i] = x, places[1, j]
-    for j in range(1, middle.size):
-        start, end = middle[last] - half_width[last], middle[last] + half_width[last]
-        if middle[j] - half_width[j] > end:
-            last += 1
-            middle[last], half_width[last] = middle[j], half_width[j]
-        else:
-            end = max(end, middle[j] + half_width[j])
-            middle[last], half_width[last] = 0.5 * (start + end), 0.5 * (end - start)
-    start, end, beyond = middle[last] - half_width[last], middle[last] + half_width[last], period + middle[0]
-    around = 1 if last > 0 and beyond - half_width[0] <= end else 0
-    if around == 1:
-        end = max(end, beyond + half_width[0])
-        middle[last], half_width[last] = 0.5 * (start + end), 0.5 * (end - start)
-    return found[:, around : last + 1]
+    middle, half_width = places
+    left = (middle - half_width) % period
+    order = left.argsort()
+    left, half_width = left[order], half_width[order]
+    right = np.maximum.accumulate(left + 2 * half_width)
+    is_first, is_last = np.ones((2, left.size), bool)
+    is_first[1:] = is_last[:-1] = left[1:] > right[:-1]
+    left, right = left[is_first], right[is_last]
+    if left.size > 1 and right[-1] >= left[0] + period:
+        right[-1] = max(right[-1], right[0] + period)
+        left, right = left[1:], right[1:]
+    return 0.5 * np.array([left + right, right - left])
 
 
 def contacts_guess(surface: Surface, load: float, contacts: Intervals) -> ContactState:
