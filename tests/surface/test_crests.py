@@ -145,6 +145,23 @@ def test_crests_are_found_where_the_curvature_vanishes(steeper, count):
     assert np.abs(np.sin(theta) @ (kappa * profile.amplitude)).max() < 1e-14 * kappa @ profile.amplitude
 
 
+def test_both_of_two_crests_between_two_samples_are_found():
+    """Four waves with slopes of 0 at three places on 0.01 to 0.03 of the finest wave; the outer two are crests."""
+    random, waves = np.random.default_rng(0), np.array([1, 2, 3, 5])
+    for _ in range(300):
+        middle, part, half = random.uniform(-0.02, 0.02), random.uniform(-0.1, 0.1), random.uniform(1e-3, 3e-3)
+        places, phase = middle + half * np.array([-1, part, 1]), random.uniform(0, 2 * np.pi, 4)
+        slopes = -waves * np.sin(2 * np.pi * waves * places[:, None] + phase)
+        fourth = waves**4 * np.cos(2 * np.pi * waves * middle + phase)
+        amplitude = np.linalg.solve([*slopes, fourth], [0, 0, 0, -1])
+        if np.max(-np.cos(2 * np.pi * waves * places[::2, None] + phase) @ (amplitude * waves**2)) > 0:
+            continue  # troughs, by waves that hardly cancel
+        expansion = expand(amplitude, waves.tolist(), phase)
+        crests = find_crests(amplitude, waves.tolist(), expansion)
+        off = (crests.node + crests.offset) / len(expansion) - places[::2, None]
+        assert np.abs(off - np.rint(off)).min(axis=1).max() < 1e-7
+
+
 def test_all_crests_of_a_rough_trace():
     """As many as the sign of the slope changes at on a grid that is far finer, each between the same two points."""
     random, waves = np.random.default_rng(4), np.arange(1, 301)

@@ -161,15 +161,18 @@ def _crests_nearby(
 def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> tuple[Indices, Array]:
     """Return starting points for Newton's method: a row and a position next to each crest near the sampled maxima.
 
-    If the series is not concave at a top and on both sides of it, crests may be closer together than samples. Then
-    the interval about the top is divided again and again, and each part in which the slope falls through 0 holds
-    a crest, until the series is concave in it or the part is as small as `MIN_SEPARATION`. On a flat crest the slope
+    If the series is not concave at a top and on both sides of it, or much more at some of these, crests may be closer
+    together than samples. Then the interval about the top is divided again and again, and each part in which the
+    slope falls through 0 holds a crest, until the series is concave in all of it or it is as small as
+    `MIN_SEPARATION`. Parts that hold a crest and a trough beside it are not divided. On a flat crest the slope
     is rounding, and may fall through 0 in no part: then the crest is in the middle.
     """
     row, rows, near = np.arange(t.size), [np.empty(0, np.int64)], [t[:0]]
     while t.size > 0:
         curvature = derivatives(expansion[row], np.stack([t - width, t, t + width]))[1]
-        clear = np.all(curvature < 0, axis=0) | (width * finest < 2 * np.pi * MIN_SEPARATION)
+        # If z'' = c^2 - x^2, with a part above 0 between two of these positions, it differs by a factor above 4.
+        concave = curvature.max(axis=0) < 0.25 * curvature.min(axis=0)
+        clear = concave | (width * finest < 2 * np.pi * MIN_SEPARATION)
         rows.append(row[clear])
         near.append(t[clear])
         row, t = row[~clear], t[~clear]

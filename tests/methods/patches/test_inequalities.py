@@ -65,14 +65,15 @@ def test_overlaps_in_gaps(period, part):
     assert found["value"][0] == pytest.approx(-overlap, rel=0.05)
 
 
-def test_each_gap_has_minima_of_its_own_and_none_at_its_ends():
+@pytest.mark.parametrize("place", [0.25, -0.25])
+def test_each_gap_has_minima_of_its_own_and_none_at_its_ends(place):
     """Three gaps with one minimum each, at a quarter of the half-width to within a twentieth of it."""
-    one = state_of(lambda t: (1 - t * t) * 2 * (t - 0.25) - 3 * t * ((t - 0.25) ** 2 + 1e-4), 1.0, 0.1, True)
+    one = state_of(lambda t: (1 - t * t) * 2 * (t - place) - 3 * t * ((t - place) ** 2 + 1e-4), 1.0, 0.1, True)
     middle, r, none = np.array([0.2, 0.5, 0.8]), np.array([0.1, 0.05, 0.02]), np.zeros(3)
     segments = make_segments(none.astype(int), none, middle, r, np.full(3, 12))
     minima = gap_minima(one._replace(segments=segments, coefficient=np.tile(one.coefficient, 3)))
     assert minima["interval"].tolist() == [0, 1, 2]
-    assert (minima["position"] - middle) / r == pytest.approx(0.25, abs=0.05)
+    assert (minima["position"] - middle) / r == pytest.approx(place, abs=0.05)
     assert minima["value"] == pytest.approx(1e-4 * 0.9375**1.5 * r, rel=0.1)
     assert minima["curvature"] * r == pytest.approx(2 * 0.9375**1.5, rel=0.2)
 
@@ -190,6 +191,9 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual):
 
     edges, minima = find_missing(problem, step, 0.0, 0.0, 0.0)
     assert len(edges) == np.count_nonzero(minima["value"] < 0) > 0
+    deepest = minima["value"].min()
+    below_margin = find_missing(problem, step, 0.0, -0.1 * deepest, 0.0)[1]
+    assert below_margin["value"].min() == pytest.approx(deepest, rel=1e-6)
     room = inequalities._room(step, minima)
     for (left, right), minimum, most in zip(edges, minima, room, strict=True):
         x = minimum["position"] + 1e-3 * period * np.arange(-1, 2)
