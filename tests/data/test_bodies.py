@@ -85,12 +85,8 @@ def test_contacts_that_yield_are_named_once_with_their_mean_pressure():
     assert table["contact_pressure"].to_numpy() == pytest.approx(expected, rel=1e-12)
     interface(hardness_2=expected[4] / 0.47 * (1 + 1e-6)).in_si(curve)  # without a warning
     cases = solve([Profile(1.5, 3, 1), Profile(1.2, 3, 1)], loads, ["westergaard"])
-    for selected, count in (
-        (cases.isel(mean_pressure=4), "1 of 1"),
-        (cases.transpose("mean_pressure", ...), "3 of 5"),
-    ):
-        with pytest.warns(UserWarning, match=f"{count} loads: .* reaches {significant(expected[4] / 1e6, 3)} MPa"):
-            bodies.in_si(selected)
+    with pytest.warns(UserWarning, match="1 of 1 loads: .* reaches"):
+        bodies.in_si(cases.transpose("mean_pressure", ...).isel(mean_pressure=4))
     ensemble = solve([Profile(1.5, 3, 1)], loads, ["westergaard", "demelio"]).weier.ensemble()
     expected /= interface().full_contact_pressure
     assert ensemble["contact_pressure_median"].to_numpy()[:5] == pytest.approx(expected, rel=1e-12)
@@ -109,7 +105,6 @@ def test_yield_that_cannot_be_judged_is_named(method):
     [
         ({"nu_1": 0.7}, r"nu_1 must lie in \(-1, 0.5\], got 0.7"),
         ({"k_1": 1.0}, "give rho_1 and rho_2, .*, or k_1 and k_2, .*, got k_1, rho_1, rho_2"),
-        ({"mu_1": np.inf, "mu_2": np.inf}, "two rigid bodies"),
         ({"mu_1": np.inf, "mu_2": np.inf, "lambda_0": None, "g_0": None}, "two rigid bodies"),
     ],
 )
@@ -121,12 +116,8 @@ def test_interface_refuses_what_cannot_be(changed, message):
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        (
-            {"mu_1": None, "E_1": 210},
-            r"^mu_1 = 80.7692 Pa is not from 1e\+06 to 1e\+13 Pa: is the unit right\?",
-        ),
-        ({"lambda_0": 0.8, "g_0": 0.4}, r"g_0/lambda_0 = 0.5 m/m is not from 1e-08 to 0.2 m/m: is the unit right\?"),
-        ({"lambda_0": 0.1, "g_0": 1e-10}, "g_0/lambda_0 = 1e-09 m/m is not from 1e-08 to 0.2 m/m"),
+        ({"mu_1": None, "E_1": 210}, r"^mu_1 = 80.7692 Pa is not from 1e\+06 to 1e\+13 Pa: is the unit right\?"),
+        ({"lambda_0": 0.8, "g_0": 0.4}, "g_0/lambda_0 = 0.5 m/m is not from 1e-08 to 0.2 m/m"),
         ({"lambda_0": 4.0, "g_0": 1e-3}, "lambda_0 = 4 m is not from 2e-10 to 1 m"),
     ],
 )
@@ -187,21 +178,16 @@ def test_each_of_several_traces_and_series_has_its_own_scale():
 
 
 ARITHMETIC = {
-    "reciprocal": lambda data: 1 / data,
-    "difference": lambda data: data.diff("mean_pressure"),
     "assigned": lambda data: data.assign(resistance=1 / data.resistance),
     "of one unit": lambda data: data.assign(made=data.resistance / data.resistance.shift(mean_pressure=1)),
     "of both": lambda data: data.assign(made=data.resistance / data.compliance),
-    "with loads": lambda data: data.assign(made=data.compliance * data.mean_pressure),
     "loads": lambda data: data.assign_coords(mean_pressure=2 * data.mean_pressure),
 }
 SELECTION = {
-    "sorted": lambda data: data.sortby("mean_pressure", ascending=False),
     "one variable": lambda data: data.resistance.to_dataset(),
     "joined": lambda data: xr.concat(
         [data.isel(mean_pressure=[0]), data.isel(mean_pressure=[1, 2])], "mean_pressure"
     ),
-    "cases": lambda data: data.expand_dims("case").weier.cases(D=1.25),
     "without phases": lambda data: data.drop_vars(["phases", "seed", "term"]),
 }
 
@@ -266,7 +252,6 @@ def test_no_contact_has_no_conductance_whatever_the_bodies_are():
 
 
 NORMALISED_TWICE = [
-    lambda bodies, curve: interface(g_0=1e-6).in_si(bodies.in_si(curve)),
     lambda bodies, curve: bodies.in_si(bodies.in_si(curve).drop_attrs(deep=False)),
     lambda bodies, curve: bodies.pressure(bodies.in_si(curve).mean_pressure.variable),
     lambda bodies, curve: solve(Profile(1.25, 5, 2), bodies.in_si(curve).mean_pressure, "demelio"),

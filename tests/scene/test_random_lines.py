@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import scene_in, solve_scene, write_data
-from weier import Interface, gaussian, open_dataset, scene, solve
+from weier import gaussian, open_dataset, scene, solve
 from weier.figures import many_curves, scene_checks
 from weier.pipeline.gather import read_study
 from weier.scene.figure import Grouping
@@ -15,11 +15,10 @@ CHANGES = [{"hurst": 0.7}, {"length": 2e-3}, {"shortest": 5e-5}, {"rolloff": 1e-
 LOADS = [0.05, 0.4, 1.0]
 
 
-def load(folder, loads=LOADS, interface=None, **studies):
+def load(folder, **studies):
     studies = {name: {"random": lines} for name, lines in studies.items()}
     figure = {"draw": "compliance", "studies": [*studies], "median over": "trace"}
-    values = {"title": "t", "loads": loads, "methods": ["patches"], "studies": studies, "figures": {"f": figure}}
-    values |= {"interface": interface} if interface else {}
+    values = {"title": "t", "loads": LOADS, "methods": ["patches"], "studies": studies, "figures": {"f": figure}}
     return scene_in(folder, values, scene_checks.load_scene)
 
 
@@ -69,15 +68,6 @@ def test_lines_of_other_parameters_are_no_median_and_no_ensemble(tmp_path):
     load(tmp_path, rough=LINES, more=LINES | {"seed": 7})
     lines = [line_of(seed, **changes) for changes in CHANGES for seed in (0, 1)]
     assert solve([line_of(0), line_of(1), *lines], [0.1]).weier.ensemble().cases.tolist() == [2] * (1 + len(CHANGES))
-
-
-def test_lines_have_their_own_scale_under_pressures_in_si_units(tmp_path):
-    steel = {"E_1": 210e9, "nu_1": 0.3, "E_2": 210e9, "nu_2": 0.3, "rho_1": 1e-7, "rho_2": 1e-7}
-    loaded = load(tmp_path, ["1 MPa", "20 MPa"], steel, rough=LINES)
-    write_data(solve_scene(loaded, tmp_path / "curves"), tmp_path / "contact.nc")
-    expected = Interface(**steel).solve([line_of(seed) for seed in LINES["seed"]], [1e6, 2e7], method="patches")
-    with open_dataset(tmp_path / "contact.nc") as data:
-        np.testing.assert_allclose(data.resistance.values, expected.resistance.values, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ import pytest
 
 from tests.scenes import scene_in, solve_scene, write_data
 from weier import Trace, open_dataset, scene
-from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import many_curves, scene_checks
 from weier.pipeline.gather import read_study
@@ -87,16 +86,11 @@ def test_a_pattern_is_its_files_in_natural_order(folder):
     loaded = load(folder, studies={"batch": batch, "deep": deep}, figures={})
     assert sources(loaded.studies["batch"]) == [f"lab/line {number}.csv" for number in (1, 2, 10)]
     assert sources(loaded.studies["deep"]) == ["lab/day/line 3.csv", "lab/line 1.csv", "lab/line 2.csv"]
-    absolute = {"trace": OPTIONS | {"file": str(folder / "lab" / "*.csv")}, "methods": ["bem"]}
-    assert len(load(folder, studies={"all": absolute}, figures={}).studies["all"]) == 3
     (folder / "lab" / "line 11.csv").write_text("x,z\n0,1.5\n1,rough\n")
     with pytest.raises(scene.SceneError, match=r"trace\.file\.0: .*lab/line 11\.csv: .*line 3, "):
         load(folder, studies={"batch": batch}, figures={})
     with pytest.raises(scene.SceneError, match=r"trace\.file\.0: there is no file .*lab/\*\.dat"):
         load(folder, studies={"batch": {"trace": OPTIONS | {"file": "lab/*.dat"}, "methods": ["bem"]}}, figures={})
-    write_heights(folder / "lab" / "line 11.csv")
-    with pytest.raises(scene.SceneError, match=r"max_cases: .*at most 2 cases, got 4"):
-        load(folder, studies={"batch": batch}, figures={}, max_cases=2)
 
 
 def test_several_shortest_wavelengths_are_a_product_with_the_files(folder):
@@ -125,37 +119,21 @@ def test_what_the_file_holds_counts_and_not_where_it_is(folder, tmp_path_factory
 
 
 def test_curves_of_a_trace_go_through_files_beside_those_of_a_series(folder):
-    """To one file and to memory."""
-    loaded = load(folder)
+    """To one file and to memory; methods of the series alone have no curve of a trace."""
+    loaded = load(folder, studies=SCENE["studies"] | {"mine": {"trace": OPTIONS}})
     solutions = solve_scene(loaded, folder / "curves")
     write_data(solutions, folder / "contact.nc")
-    data = dataset.read(folder / "contact.nc")
     trace = next(iter(loaded.studies["mine"])).profile
-    assert data["trace"].values.tolist() == ["shaft.csv", ""]
-    assert data["trace_digest"].values.tolist() == [trace.digest, ""]
-    assert data["trace_length"].values[0] == trace.lambda_0
-    assert np.isnan(data["trace_length"].values[1])
-    assert data["status"].values.tolist() == [[Status.solved, Status.not_requested], [Status.solved] * 2]
-    assert np.isfinite(data["compliance"].values[0, 0]).all()
+    with open_dataset(folder / "contact.nc") as data:
+        assert data["trace_digest"].values.tolist() == [trace.digest, ""]
+        np.testing.assert_array_equal(data["trace_length"], [trace.lambda_0, np.nan])
+        assert data["status"].values.tolist() == [[Status.solved, Status.not_applicable], [Status.solved] * 2]
+        assert np.isfinite(data["compliance"].values).all(axis=2).tolist() == [[True, False], [True, True]]
+        assert re.fullmatch(r"mine: trace = shaft\.csv, m = 2, trace_digest = [0-9a-f]{12}", data.case.values[0])
+        assert data.weier.cases(trace="shaft.csv").sizes["case"] == 1
     studies = [read_study(solutions, name) for name in ("mine", "series")]
     drawn = many_curves.draw(studies, "t", "compliance")
     assert "(b)  shaft.csv" in [axes.get_title() for axes in drawn.axes]
-    with open_dataset(folder / "contact.nc") as data:
-        assert re.fullmatch(r"mine: trace = shaft\.csv, m = 2, trace_digest = [0-9a-f]{12}", data.case.values[0])
-        assert data.weier.cases(trace="shaft.csv").sizes["case"] == 1
-
-
-def test_methods_of_the_series_alone_have_no_curve_of_a_trace(folder):
-    """In a study with methods for both, and with loads in Pa, too."""
-    for changes in ({}, {"loads": ["5 MPa"], "interface": BODIES | {"lambda_0": 1e-3, "g_0": 1e-6}}):
-        loaded = load(folder, **{"figures": {}, "studies": {"mine": {"trace": OPTIONS}}}, **changes)
-        write_data(solve_scene(loaded, folder / "curves"), folder / "contact.nc")
-        with open_dataset(folder / "contact.nc") as data:
-            assert data["status"].values.tolist() == [[Status.solved, Status.not_applicable]]
-            assert np.isfinite(data["compliance"].values[0]).tolist() == [
-                [True] * len(loaded.loads),
-                [False] * len(loaded.loads),
-            ]
 
 
 def mine(methods=("bem",), **options):

@@ -159,7 +159,7 @@ def solve_under(
     failures: list[str] = []
 
     def named(data: xr.Dataset) -> xr.Dataset:
-        return name_cases(data.assign_attrs(provenance.result_attributes(title)))
+        return name_cases(data.assign_attrs(provenance.result_attributes(), title=title))
 
     with converting(named):
         data = solve_batch(cases, loads, edges, failures.append, workers, loads_of, known)

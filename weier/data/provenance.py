@@ -72,10 +72,9 @@ def run_date() -> str:
     return date.isoformat(timespec="seconds")
 
 
-def result_attributes(title: str = "") -> dict[str, str]:
+def result_attributes() -> dict[str, str]:
     """Return the provenance attributes of a result in memory."""
-    found = {"program": FIXED["program"], "source": origin(), "normalisation": NORMALISED, "references": PAPER}
-    return found | ({"title": title} if title else {})
+    return {"program": FIXED["program"], "source": origin(), "normalisation": NORMALISED, "references": PAPER}
 
 
 @cache

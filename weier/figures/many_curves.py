@@ -156,7 +156,7 @@ def _reduced(same: pd.DataFrame, tables: Sequence[Values], quantity: str, groupi
         loads, values = (own.loads, own.values[place]) if points else own.line(*place)
         return PlottedCurve(own, first, loads, values, None, 1, points)
     if hidden := grouping.hidden(_differing(same)):
-        raise ValueError(grouping.proposal(hidden))
+        raise ValueError(hidden)
     loads, (line, *band) = _reduce(same, tables, quantity)
     return PlottedCurve(own, first, loads, line, np.array(band), len(same), points)
 

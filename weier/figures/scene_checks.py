@@ -98,7 +98,7 @@ def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
     """Yield messages on parameters that vary between the curves of a figure without being shown."""
     grouping = figure.grouping.with_defaults(sum(product.count for product in products))
     if hidden := grouping.hidden(_varying(products)):
-        yield grouping.proposal(hidden)
+        yield hidden
     random = [line for product in products for line in product.axes.get("trace", ())[:1] if "seed" in line]
     if "trace" in grouping.median_over and len({json.dumps(line | {"seed": 0}) for line in random}) > 1:
         yield "a median over traces would mix random lines of other parameters in these studies: draw two figures"

@@ -86,10 +86,8 @@ def identity(name: str, value: Any) -> Any:
 
     A trace is its name and its content, not the location of its file; a random line is its parameters.
     """
-    if name == "trace" and HURST in value:
-        return value
     if name == "trace":
-        return [value.get("name", value["file"]), value["digest"]]
+        return value if HURST in value else [value.get("name", value["file"]), value["digest"]]
     if name == "gamma":
         return str(checked_ratio(value))
     if name == "seed":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from weier.data.bodies import Bodies
@@ -29,15 +29,14 @@ class Grouping(NamedTuple):
             return self
         return EACH_CASE if cases <= MAX_PANELS else MEDIAN_OVER_PHASES
 
-    def hidden(self, varying: Iterable[str]) -> list[str]:
-        """Return the parameters that vary among the curves without being shown; methods are always shown."""
+    def hidden(self, varying: Iterable[str]) -> str:
+        """Return a sentence if parameters vary without being shown, else an empty text; methods are always shown."""
         shown = {self.colour, *self.facet, *self.median_over, "method"}
         if shown.intersection(PHASES):
             shown |= {*PHASES}
-        return [name for name in varying if name not in shown and self.facet != EACH_CASE.facet]
-
-    def proposal(self, hidden: Sequence[str]) -> str:
-        """Return a sentence that proposes how to show the parameters that are hidden."""
+        hidden = [name for name in varying if name not in shown]
+        if not hidden or self.facet == EACH_CASE.facet:
+            return ""
         verb = "varies" if len(hidden) == 1 else "vary"
         ways = f"add {hidden[0]} to colour, facet or median over, or draw fewer cases"
         return f"{' and '.join(hidden)} {verb} among the curves and nothing shows it: {ways}"
