@@ -113,11 +113,6 @@ class Finding(NamedTuple):
     checks: Sequence[Check]
     outcome: Check
 
-    @property
-    def decides(self) -> bool:
-        """Whether the verdict depends on it."""
-        return self.number.decides and self.ensemble.decides
-
 
 class Judgement(NamedTuple):
     """The result of a claim.
@@ -136,7 +131,7 @@ class Judgement(NamedTuple):
     @property
     def decisive(self) -> Finding:
         """The decisive finding: the worst value of the first number with this outcome."""
-        same = [finding for finding in self.findings if finding.decides and finding.outcome == self.outcome]
+        same = [finding for finding in self.findings if finding.number.decides and finding.outcome == self.outcome]
         first = [finding for finding in same if finding.number.quantity == same[0].number.quantity]
         return max(first, key=lambda finding: finding.number.sign * finding.number.value)
 
@@ -154,7 +149,7 @@ def judge(claim: Claim, cases: Cases, at_fewer_loads: Cases) -> Judgement:
     except MissingError as error:
         return Judgement(claim.statement, Check.not_measured, missing=str(error))
     findings = [finding for same in found.values() for finding in same]
-    outcomes = {finding.outcome for finding in findings if finding.decides}
+    outcomes = {finding.outcome for finding in findings if finding.number.decides}
     outcome = next(check for check in (Check.no, Check.not_decided, Check.yes) if check in outcomes)
     return Judgement(claim.statement, outcome, findings)
 
@@ -170,4 +165,5 @@ def _examine(ensemble: Ensemble, numbers: Sequence[Number], at_fewer_loads: Sequ
     outcome = Check.yes if yes >= least and ensemble.enough else Check.not_decided
     if (no >= MIN_FRACTION and ensemble.enough) if most else no > 0:
         outcome = Check.no
-    return Finding(numbers[0]._replace(value=value), ensemble, values, checks, outcome)
+    decides = numbers[0].decides and ensemble.decides
+    return Finding(numbers[0]._replace(value=value, decides=decides), ensemble, values, checks, outcome)

@@ -115,16 +115,6 @@ def describe(case: Case) -> str:
     return curves.profile(case).describe()
 
 
-def total(case: Case) -> float:
-    """Return the compliance at full contact, sum g_n, in g_0."""
-    return float(case["total_amplitude"])
-
-
-def largest(values: Array) -> float:
-    """Return the largest absolute value."""
-    return float(np.abs(values).max())
-
-
 def partial_contact(case: Case) -> Flags:
     """Return whether the contact is partial at each load; raises MissingError if no load gives partial contact."""
     partial: Flags = numerical(case, "contact_fraction") < 1 - ROUNDING
@@ -139,7 +129,7 @@ def between(case: Case, values: Array, low: float, high: float) -> tuple[Array, 
     full contact ends at the last load of partial contact, since all methods agree above. MissingError is raised if
     the loads do not reach across half of the range.
     """
-    loads, relative, partial = case["mean_pressure"], numerical(case) / total(case), partial_contact(case)
+    loads, relative, partial = case["mean_pressure"], numerical(case) / case["total_amplitude"], partial_contact(case)
     loads, relative, values = loads[partial], relative[partial], values[partial]
     middle = (low + high) / 2
     need(relative[0] < middle < relative[-1], f"loads across {middle:.0%} of the compliance at full contact")
