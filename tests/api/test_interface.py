@@ -88,6 +88,6 @@ def test_the_pressure_of_a_curve_comes_back_within_its_error(surface):
         SCALED.find_pressure(surface)
     with pytest.raises(
         ValueError,
-        match=r"resistance must lie between 0 ohm m\^2, from full contact under .* Pa on, and .* got -1 ohm m\^2$",
+        match=r"resistance must lie strictly .* and 0 ohm m\^2, from full contact under .* Pa on, got -1 ohm m\^2$",
     ):
         SCALED.find_pressure(surface, resistance=-1.0)

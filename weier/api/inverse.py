@@ -34,7 +34,7 @@ from weier.units import NONE, NORMALISED_PRESSURE
 ERROR = "mean_pressure_error"
 # tolerance of Brent's method in ln p, a few units of rounding
 LOG_ACCURACY = 1e-14
-FIRST_DECADES = 1.0  # width of the first bracket, doubled at each step
+FIRST_WIDTH = math.log(10)  # width of the first bracket in ln p, doubled at each step
 ABOVE = 1 + 1e-12  # full contact has no gap left by rounding at this multiple of its least load
 WIDER = 10.0  # growth factor of the distance to a load that is certainly on one side
 JUMP = 1e-6  # relative difference from the target above which the quantity jumps past it
@@ -110,7 +110,6 @@ def loads_for(
         found = [search.load(float(value)) for value in targets]
     loads, errors = np.array(found).T
     curve = solve(profile, loads, EXACT.name)
-    attributes = variables.attributes(ERROR)
     dropped = np.flatnonzero(np.abs(curve[name].values - targets) > JUMP * targets)
     if name == "resistance" and dropped.size:
         which = "the wanted value" if targets.size == 1 else f"{dropped.size} of {targets.size} wanted values"
@@ -118,7 +117,7 @@ def loads_for(
             f"the resistance drops past {which} where a contact is born: the load is that of the birth",
             stacklevel=3,  # points to the call of `find_load`
         )
-    return marked(curve.assign({ERROR: ("mean_pressure", errors, attributes)}))
+    return marked(curve.assign({ERROR: ("mean_pressure", errors, variables.attributes(ERROR))}))
 
 
 class _Search:
@@ -141,8 +140,7 @@ class _Search:
             """Return a function that increases with the load and vanishes at the target."""
             return self.sign * (self.at(log_load)[0] - value)
 
-        low = high = self.full
-        width = FIRST_DECADES * math.log(10)
+        low, high, width = self.full, self.full, FIRST_WIDTH
         if not rising(low) > 0:  # all loads beyond full contact give the value, or none does
             raise ValueError(self._limits(value))
         while rising(low) > 0:
@@ -156,9 +154,7 @@ class _Search:
     def _distance(self, root: float, rising: Callable[[float], float], side: int) -> float:
         """Return the distance from the root, in ln p, beyond which the side of the target is certain."""
         distance = LOG_ACCURACY
-        while side * rising(root + side * distance) <= self.at(root + side * distance)[1]:
-            if root + side * distance >= self.full:
-                break
+        while (load := root + side * distance) < self.full and side * rising(load) <= self.at(load)[1]:
             distance *= WIDER
         return distance
 
@@ -172,14 +168,13 @@ class _Search:
 
     def _limits(self, value: float) -> str:
         """Return the message for a value that no load gives, or all loads beyond full contact."""
-        unit, pressure = VARIABLES[self.name].unit, NORMALISED_PRESSURE
-        full = f"full contact under {self._shown(math.exp(self.full), pressure)}"
-        least, most = (self._shown(self.at(load)[0] + self.offset, unit) for load in (self.least, self.full))
-        limits = f"{self._shown(self.offset, unit)}, at first contact, and {most}, at {full}"
-        if self.name == "resistance":
-            lightest = self._shown(math.exp(self.least), pressure)
-            limits = f"{most}, from {full} on, and {least}, under the lightest load of {lightest}"
-        return f"{self.name} must lie between {limits}, got {self._shown(value + self.offset, unit)}"
+        unit, ends = VARIABLES[self.name].unit, (self.least, self.full)
+        least, most = (self._shown(self.at(load)[0] + self.offset, unit) for load in ends)
+        lightest, full = (self._shown(math.exp(load), NORMALISED_PRESSURE) for load in ends)
+        return (
+            f"{self.name} must lie strictly between {least}, under the lightest load of {lightest}, and {most}, from "
+            f"full contact under {full} on, got {self._shown(value + self.offset, unit)}"
+        )
 
     def _shown(self, value: float, unit: str) -> str:
         """Return a value with its unit, in SI if the scales have one for it."""
