@@ -1,5 +1,6 @@
 """The command line as a shell sees it, in this process."""
 
+import signal
 import sys
 
 import pytest
@@ -15,7 +16,11 @@ def run(monkeypatch, capsys):
         monkeypatch.setattr(sys, "argv", ["weier", *map(str, arguments)])
         with pytest.raises(SystemExit) as stopped:
             cli.main()
-        answer = capsys.readouterr()
-        return stopped.value.code or 0, answer.out, answer.err
+        answer, code = capsys.readouterr(), stopped.value.code or 0
+        # Python prints a message that is an exit code.
+        return (1, answer.out, f"{answer.err}{code}\n") if isinstance(code, str) else (code, answer.out, answer.err)
 
-    return run
+    before = {sent: signal.getsignal(sent) for sent in (signal.SIGINT, signal.SIGTERM)}
+    yield run
+    for sent, handler in before.items():
+        signal.signal(sent, handler)

@@ -94,8 +94,10 @@ WRONG_USAGE = [
     ([*SOLVE, "--length", "1e-3"], "take a series, or --trace with its options, got both: D, gamma, m, length"),
     (["solve", "--length", "1e-3"], "a profile takes -D, --gamma and -m, or --trace with a file"),
     ([*SOLVE, "--set", "bem"], "Invalid value for '--set': it must read \"method.name=value\""),
-    ([*SOLVE, "--phases", "1,x"], "Invalid value for '--phases': "),
-    (["solve", "--trace", "shaft.csv", "--columns", "0,x"], "Invalid value for '--columns': "),
+    (
+        ["solve", "--trace", "shaft.csv", "--columns", "0,x"],
+        "Invalid value for '--columns': it must be numbers with commas between, such as 0,2, got '0,x'",
+    ),
     ([*SOLVE, "--loads", "1", "--pressures", "1MPa"], "loads are given once, got --pressures and --loads"),
     (["plot", *PROFILE, "--loads", "1", "x.png"], "a figure takes at least 2 loads, got 1"),
     (["plot", *PROFILE, "x.txt"], "the name must end in one of .pdf, .svg, .png, got x.txt"),

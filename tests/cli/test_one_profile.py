@@ -77,8 +77,9 @@ def column(tmp_path):
 
 def test_two_rough_bodies_are_two_files(run, shaft, tmp_path):
     options = ["--trace", shaft, "--x-unit", "mm", "--height-unit", "um", "--shortest", "0.1", "--loads", "0.1,1"]
-    lines = shaft.read_text().splitlines()
-    (tmp_path / "bush.csv").write_text("\n".join([lines[0], *lines[:100:-1], *lines[100:0:-1]]))
+    head, *rows = (line.split(",") for line in shaft.read_text().splitlines())
+    turned = [[x, z] for (x, _), (_, z) in zip(rows, rows[::-1], strict=True)]
+    (tmp_path / "bush.csv").write_text("\n".join(map(",".join, [head, *turned])))
     code, out, _ = run("solve", *options, "--against", tmp_path / "bush.csv", "--ends", "periodic")
     units = {"x_unit": "mm", "height_unit": "um", "ends": "periodic", "shortest": 0.1}
     gap = weier.Trace.between(*(weier.Trace.read(file, **units) for file in (shaft, tmp_path / "bush.csv")))
@@ -141,11 +142,21 @@ def test_pressures_and_ohms_of_a_trace_by_one_command(run, shaft, tmp_path, bodi
     assert "old.svg exists: name another file, or overwrite it by --force" in run("plot", *PROFILE, path)[2]
 
 
-def test_a_stopped_solution_prints_the_loads_that_are_solved(run):
+@pytest.mark.parametrize("output", [[], ["-o", "part.nc"]])
+def test_a_stopped_solution_has_the_loads_that_are_solved(run, tmp_path, monkeypatch, output):
+    """Of two methods, of which the second has not begun."""
+    monkeypatch.chdir(tmp_path)
+    count = iter(range(1, 10))
+
     def stop():
-        raise TimeoutError("enough")
+        if next(count) == 3:
+            raise TimeoutError("enough")
 
     with reporting_to(stop):
-        code, out, err = run("solve", *PROFILE)
-    assert (code, err) == (1, "weier: 1 of 40 loads are solved, and printed\nweier: enough\n")
-    assert curves(out).sizes["mean_pressure"] == 1
+        code, out, err = run("solve", *PROFILE, "--method", "patches", "--method", "bem", *output)
+    written = "the curves are in part.nc\n" if output else ""
+    assert (code, err) == (1, f"weier: 3 of 40 loads are solved\n{written}weier: enough\n")
+    found = xr.load_dataset("part.nc") if output else curves(out)
+    expected = weier.solve(weier.Profile(1.25, 5, 2, 1.0), found.mean_pressure.values)
+    solved = found.resistance.sel(solution_method="patches").values.ravel()
+    assert solved.tolist() == expected.resistance.values.tolist()

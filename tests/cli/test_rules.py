@@ -1,7 +1,6 @@
 """The commands of the pipeline: one sentence and a non-zero exit for what is wrong, and nothing written."""
 
 import re
-import signal
 from functools import partial
 
 import pytest
@@ -20,14 +19,6 @@ methods: [demelio]
 studies:
   one: {product: {D: 1.25, gamma: 5, m: 2}}
 """
-
-
-@pytest.fixture(autouse=True)
-def sigterm():
-    """A job of curves handles SIGTERM as Ctrl-C."""
-    before = signal.getsignal(signal.SIGTERM)
-    yield
-    signal.signal(signal.SIGTERM, before)
 
 
 @pytest.fixture
@@ -73,7 +64,10 @@ def fail_first(run, scene_file, monkeypatch, error):
             raise error
         path.with_suffix(".png").touch()
 
-    scene_file.write_text(SCENE + "figures: {first: &one {draw: compliance, studies: [one]}, second: *one}\n")
+    scene_file.write_text(
+        SCENE.replace("[0.1]", "[0.1, 1]")
+        + "figures: {first: &one {draw: compliance, studies: [one]}, second: *one}\n"
+    )
     assert run(*curves(scene_file))[0] == 0
     monkeypatch.setattr(figures.figures, "draw", draw)
 

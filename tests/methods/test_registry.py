@@ -22,7 +22,7 @@ every_method = pytest.mark.parametrize("method", registry.METHODS, ids=lambda me
 
 @every_method
 def test_the_help_tells_which_methods_take_the_infinite_series(method):
-    (m,) = (option for option in options.SERIES_OPTIONS if option.name == "m")
+    (m,) = (option for option in options.one_profile_options("") if option.name == "m")
     assert (method.name in m.help) == method.infinite == method.takes(INFINITE)
     if method.infinite:
         solved = solve(INFINITE, [0.1], method.name)

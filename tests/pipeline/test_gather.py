@@ -37,7 +37,7 @@ def test_curves_of_other_methods_and_terms_come_together(tmp_path, methods):
     solve_scene(scene_in(tmp_path, MIXED | {"methods": ["bem"]}), tmp_path / "curves")
     mixed = scene_in(tmp_path, MIXED | {"methods": methods})
     found = file_of(solve_scene(mixed, tmp_path / "curves"), tmp_path)
-    expected = batch.solve_batch(mixed.distinct, mixed.loads, contact_edges=True, failed=lambda line: None)
+    expected = batch.solve_batch(mixed.distinct, mixed.loads, contact_edges=True)
     edges = expected["contact_edge"].dropna("edge", how="all").variable
     xr.testing.assert_equal(found["contact_edge"].dropna("edge", how="all").variable, edges)
     for name in expected.variables.keys() - {"seconds", "key", "contact_edge"}:

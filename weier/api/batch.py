@@ -10,8 +10,8 @@ import json
 import math
 import os
 import signal
-import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+import warnings
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context, parent_process
@@ -22,9 +22,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.api.progress import Progress, counted, showing
+from weier.api.progress import Progress, counted, shown_progress
 from weier.api.rows import BOUNDS, curve_row, surface_row
-from weier.api.task import CurveTask, Known, Outcome
+from weier.api.task import CurveTask, Outcome
 from weier.data import dataset
 from weier.data.variables import CASE, LOADS, VARIABLES
 from weier.kernels.arrays import Array
@@ -34,7 +34,6 @@ from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.scene.case import Case
 from weier.scene.identity import short_keys
-from weier.surface.loads import LoadsOf
 from weier.surface.waves import resolvable
 from weier.units import NORMALISED_PRESSURE, PASCAL
 
@@ -46,62 +45,35 @@ LOST = (
 )
 
 
-def _report(message: str) -> None:
-    print(message, file=sys.stderr)
-
-
 def solve_batch(
     cases: Iterable[Case],
     mean_pressure: ArrayLike,
     contact_edges: bool = False,
-    failed: Callable[[str], None] = _report,
     workers: int = 1,
-    loads_of: LoadsOf | None = None,
-    known: Mapping[str, Known] | None = None,
+    own_loads: Sequence[Array] | None = None,
 ) -> xr.Dataset:
-    """Solve cases under common loads, and show the progress.
+    """Solve cases under common loads, show the progress, and warn of curves that cannot be solved.
 
-    Curves that do not depend on the phases are solved once for all cases that differ only in these.
+    Curves that do not depend on the phases are solved once for all cases that differ only in these. The result is
+    over case, method, mean_pressure and term, with bounds on the infinite series and the seconds that each curve
+    took; values that could not be solved are NaN, and status has the reason. An exception that stops the solution has
+    the result so far as `curve`, up to the case that was being solved, or None.
 
-    Parameters
-    ----------
-    cases : iterable of Case
-        The rows of the result, in their order.
-    mean_pressure : array_like, shape (loads,)
-        Increasing loads, in p_0*, or in Pa with `loads_of`.
-    contact_edges : bool
-        Whether to keep the edges of contact.
-    failed : callable
-        Called with the reason why a method has no curve.
-    workers : int
-        Number of processes.
-    loads_of : callable, optional
-        From a surface to its loads in p_0*, for loads in Pa.
-    known : mapping, optional
-        Of a single case: the curves that are known under some of the loads, by method.
-
-    Returns
-    -------
-    Dataset
-        Over case, method, mean_pressure and term, with bounds on the infinite series and the seconds that each curve
-        took; values that could not be solved are NaN, and status has the reason.
-
-    Raises
-    ------
-    KeyboardInterrupt, TimeoutError
-        If the solution is stopped: `curve` is the result so far, up to the case that was being solved, or None.
+    mean_pressure : increasing loads, in p_0*, or in Pa with `own_loads`, shape (loads,)
+    contact_edges : whether to keep the edges of contact
+    workers : number of processes
+    own_loads : the loads of each case in p_0*, for loads in Pa
     """
     cases, loads = list(cases), np.asarray(mean_pressure, float)
-    data = _blank(cases, loads, NORMALISED_PRESSURE if loads_of is None else PASCAL, contact_edges)
+    data = _blank(cases, loads, NORMALISED_PRESSURE if own_loads is None else PASCAL, contact_edges)
     rows = {str(name): variable.values for name, variable in data.variables.items()}  # faster to write into
     methods, curves = data["solution_method"].values.tolist(), list[tuple[int, CurveTask]]()
     for number, case in enumerate(cases):
         keys = {"key": case.key(loads), "surface_key": short_keys(np.array([case.surface_key]))[0]}
         _store(rows, {CASE: number}, surface_row(case.profile) | keys)
-        own = loads if loads_of is None else loads_of(case.profile)
+        own = loads if own_loads is None else own_loads[number]
         for name in case.methods:
-            task = CurveTask(case.profile, name, case.settings.get(name, {}), own, (known or {}).get(name))
-            curves.append((number, task))
+            curves.append((number, CurveTask(case.profile, name, case.settings.get(name, {}), own)))
 
     def store(number: int, curve: CurveTask, row: Mapping[str, Any], solved: Array | None = None) -> None:
         """Write a curve with its settings into its row, or a part of it, at the solved loads."""
@@ -110,31 +82,29 @@ def solve_batch(
         at = slice(None) if solved is None else np.searchsorted(curve.loads, solved)
         _store(rows, {**position, LOADS: at}, {**row, "settings": settings})
 
-    def store_part(number: int, curve: CurveTask, solved: Array, solution: Curve) -> None:
-        store(number, curve, curve_row(curve._replace(loads=solved), (solution, math.nan)), solved)
-
     def solved_so_far(part: tuple[Array, Curve] | None) -> xr.Dataset | None:
         """Return the solved curves and the solved part of the current one."""
         if part is not None:
-            store_part(number, curve, *part)
+            loads, solution = part
+            store(number, curve, curve_row(curve._replace(loads=loads), (solution, math.nan)), loads)
         found = data.isel(case=slice(number + 1))
         return found if np.isfinite(found["compliance"]).any() else None
 
     to_solve = dict[object, CurveTask]()
-    for position, (number, curve) in enumerate(curves):
+    for position, (_, curve) in enumerate(curves):
         to_solve.setdefault(curve.series or position, curve)
-        if curve.known is not None:
-            store_part(number, curve, curve.known.loads, curve.known.curve)
     outcomes = dict[object, Outcome]()
     expected = sum(curve.expected for curve in to_solve.values()) / min(workers, len(to_solve))
     total = loads.size * len(to_solve)
-    with showing("weier.solve", total, counted(total, "load"), expected) as progress, keeping(solved_so_far):
+    progress = shown_progress("weier.solve", total, counted(total, "load"), expected)
+    with keeping(solved_so_far):
         new = solve_curves([*to_solve.values()], workers, progress)
         for position, (number, curve) in enumerate(curves):
             key = curve.series or position
             outcome = outcomes[key] if key in outcomes else outcomes.setdefault(key, next(new))
             if isinstance(outcome, Exception):
-                failed(f"{curve.profile.describe()}, {curve.method}: {outcome}")
+                reason = f"{curve.profile.describe()}, {curve.method}: {outcome}"
+                warnings.warn(reason, stacklevel=4)  # points to the call of `weier.solve`
             store(number, curve, curve_row(curve, outcome))
     return data
 

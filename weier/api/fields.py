@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from weier import units
-from weier.api.progress import showing
+from weier.api.progress import shown_progress
 from weier.checks import checked_count, checked_numbers, shown
 from weier.data import variables
 from weier.data.provenance import NORMALISED
@@ -189,8 +189,8 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     low, high = checked_load(low, "low"), checked_load(high, "high")
     if not low < high:
         raise ValueError(f"high must exceed low, got {low} and {high}")
-    with showing("weier.events", 1, "the contact") as progress:
-        found = patches.events(profile, low, high, report=progress.reach)._asdict()
+    progress = shown_progress("weier.events", 1, "the contact")
+    found = patches.events(profile, low, high, report=progress.reach)._asdict()
     return _dataset(profile, {"event": found | {"birth": found["birth"].astype(bool)}})
 
 

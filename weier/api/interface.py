@@ -14,7 +14,6 @@ from weier.api.solve import in_order, solve_under
 from weier.data.bodies import Bodies, to_normalised
 from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
-from weier.kernels.arrays import Array
 from weier.methods.load_progress import converting
 from weier.surface.loads import listed_loads
 from weier.surface.waves import Waves
@@ -116,11 +115,8 @@ class Interface(Bodies):
         def in_si(solved: xr.Dataset) -> xr.Dataset:
             return with_pressures_in(self.in_si(solved), unit)
 
-        def loads_of(one: Waves) -> Array:
-            return self.at(one).normalised_pressure(loads)
-
         with converting(in_si):
-            solved = solve_under(surface, loads, loads_of, method, **options)
+            solved = solve_under(surface, loads, self, method, **options)
         return in_si(in_order(solved, position))
 
     def find_pressure(

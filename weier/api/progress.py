@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from time import perf_counter
 
 from weier.kernels.jit import COMPILING_SECONDS
 
-ERASE = "\r\033[K"  # This escape sequence clears the line of a terminal.
-TERMINAL_SECONDS, LONG = 0.5, 10.0  # Intervals between two messages, on a terminal and in a log.
+LONG = 10.0  # Interval between two messages, and least expected time that is announced, in s.
 
 
 def clock() -> float:
@@ -41,25 +39,18 @@ class Progress:
             self.say(f"{100 * done / self.total:.0f} % of {self.whole}, about {left:.0f} s left")
 
 
-@contextmanager
-def showing(name: str, total: float, whole: str, expected: float = 0.0) -> Iterator[Progress]:
-    """Show the progress on standard error: in one line of a terminal, or in a log by a line every `LONG` seconds.
+def shown_progress(name: str, total: float, whole: str, expected: float = 0.0) -> Progress:
+    """Return a progress that is shown on standard error, by a line every `LONG` seconds.
 
     If more than `LONG` seconds are expected, they are announced beforehand.
     """
-    terminal = sys.stderr.isatty()
 
     def say(far: str) -> None:
-        start, end = (ERASE, "") if terminal else ("", "\n")
-        print(f"{start}{name}: {far}", end=end, file=sys.stderr, flush=True)
+        print(f"{name}: {far}", file=sys.stderr, flush=True)
 
     if expected > LONG:
         say(f"about {expected:.0f} s for {whole}; Ctrl-C ends it")
-    try:
-        yield Progress(total, whole, TERMINAL_SECONDS if terminal else LONG, say)
-    finally:
-        if terminal:
-            print(ERASE, end="", file=sys.stderr, flush=True)
+    return Progress(total, whole, LONG, say)
 
 
 def counted(number: int, item: str) -> str:

@@ -10,11 +10,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.api.progress import counted, showing
+from weier.api.progress import counted, shown_progress
 from weier.api.rows import derived
-from weier.api.task import CurveTask, Known
+from weier.api.task import CurveTask
 from weier.checks import checked_flag, checked_workers, shown
 from weier.data import dataset, provenance
+from weier.data.bodies import Bodies
 from weier.data.selection import name_cases
 from weier.data.variables import LOADS, attributes
 from weier.kernels.arrays import Array, Indices
@@ -22,7 +23,7 @@ from weier.methods.curve import Curve
 from weier.methods.load_progress import converting, reporting_to
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
-from weier.surface.loads import LoadsOf, listed_loads, unit_doubt
+from weier.surface.loads import listed_loads, unit_doubt
 from weier.surface.waves import Waves, checked_surface
 from weier.units import PASCAL
 
@@ -53,7 +54,7 @@ def solve(
     workers : int
         Number of processes for lists of curves; -1 for one per core. Results do not depend on it. A process starts in
         about three seconds. A script must call `solve` below `if __name__ == "__main__":`, since each process imports
-        it. Standard error shows the progress, every ten seconds unless it is a terminal.
+        it. Standard error shows the progress every ten seconds.
     **settings
         Settings of the method; with a list of methods, under the name of each, as `layer={"points": 48}`. A common
         `tolerance`, the accepted error of the compliance in g_0, applies to all methods that take one. Settings and
@@ -117,54 +118,43 @@ def in_order(curves: xr.Dataset, position: Indices) -> xr.Dataset:
 def solve_under(
     profile: Waves | Sequence[Waves],
     loads: Array,
-    loads_of: LoadsOf | None,
+    bodies: Bodies | None,
     method: str | Sequence[str] | None = None,
     *,
     contact_edges: bool = False,
     workers: int = 1,
-    known: Mapping[str, Known] | None = None,
     **settings: Any,
 ) -> xr.Dataset:
-    """Solve under increasing loads in p_0*, or in Pa with `loads_of`, which converts them for a surface to p_0*.
-
-    `known` has curves of a single surface under some of the loads, by method. The other arguments are as in `solve`.
-    """
+    """Solve under increasing loads, in p_0* or, for two bodies, in Pa; the other arguments are as in `solve`."""
     edges, workers = checked_flag("contact_edges", contact_edges), checked_workers(workers)
-    argument = "profile" if loads_of is None else "surface"  # as `Interface.solve` calls it
+    argument = "profile" if bodies is None else "surface"  # as `Interface.solve` calls it
     profiles = [checked_surface(one, argument) for one in _list(argument, profile)]
-    own_loads = [loads if loads_of is None else loads_of(surface) for surface in profiles]
+    own_loads = [loads if bodies is None else bodies.at(one).normalised_pressure(loads) for one in profiles]
     for surface, own in zip(profiles, own_loads, strict=True):
         if doubt := unit_doubt(surface, own):
             warnings.warn(doubt, stacklevel=3)  # points to the call of `solve`
     method = default_method(*profiles, within_tolerance=TOLERANCE in settings) if method is None else method
     methods = [find_method(name).name for name in _list("method", method)]
     several = isinstance(profile, list | tuple) or isinstance(method, list | tuple)
-    checked = (
-        settings_by_method(methods, settings)
-        if several
-        else {methods[0]: checked_settings(find_method(methods[0]), settings)}
-    )
+    checked = settings_by_method(methods, settings if several else {methods[0]: settings})
     for surface in profiles:  # before anything is solved
         for name in methods:
             if (applied := find_method(name)).takes(surface):
                 applied.check(surface, **checked.get(name, {}))
     if not several:
         curve = CurveTask(profiles[0], methods[0], checked[methods[0]], own_loads[0])
-        return _solve_one(curve, edges, loads if loads_of else None)
+        return _solve_one(curve, edges, loads if bodies else None)
     from weier.api.batch import solve_batch  # imports the scenes, which a single curve does not need
     from weier.scene.case import Case
 
     cases = [Case(surface.parameters, tuple(methods), checked, surface) for surface in profiles]
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
-    failures: list[str] = []
 
     def named(data: xr.Dataset) -> xr.Dataset:
         return name_cases(data.assign_attrs(provenance.result_attributes(), title=title))
 
     with converting(named):
-        data = solve_batch(cases, loads, edges, failures.append, workers, loads_of, known)
-    for failure in failures:
-        warnings.warn(failure, stacklevel=3)  # points to the call of `solve`
+        data = solve_batch(cases, loads, edges, workers, own_loads if bodies else None)
     return named(data)
 
 
@@ -189,12 +179,9 @@ def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None) -> xr.Dat
         exact = pressures[np.searchsorted(curve.loads, loads)]
         return data.assign_coords({LOADS: (LOADS, exact, attributes(LOADS, unit=PASCAL))})
 
-    whole = counted(curve.loads.size, "load")
-    with (
-        converting(lambda solved: labelled(*solved)),
-        showing("weier.solve", curve.loads.size, whole, curve.expected) as progress,
-        reporting_to(progress),
-    ):
+    count = curve.loads.size
+    progress = shown_progress("weier.solve", count, counted(count, "load"), curve.expected)
+    with converting(lambda solved: labelled(*solved)), reporting_to(progress):
         solution, seconds = curve.solve()
     return labelled(curve.loads, solution, seconds=seconds)
 

@@ -6,13 +6,10 @@ import json
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from weier.api.progress import clock
 from weier.kernels.arrays import Array
-from weier.methods.curve import Curve, joined
+from weier.methods.curve import Curve
 from weier.methods.errors import ConvergenceError, NotApplicableError
-from weier.methods.load_progress import keeping
 from weier.methods.registry import find_method
 from weier.surface.profile import PARAMETERS, Profile
 from weier.surface.waves import Waves
@@ -21,25 +18,13 @@ from weier.surface.waves import Waves
 Outcome = tuple[Curve, float] | NotApplicableError | ConvergenceError
 
 
-class Known(NamedTuple):
-    """A curve already solved under some of the loads, and the seconds that this took."""
-
-    loads: Array
-    curve: Curve
-    seconds: float
-
-
 class CurveTask(NamedTuple):
-    """A curve to solve: surface, name of the method, its checked settings, and increasing loads in p_0*.
-
-    If some loads are known, only the others are solved; results that depend on all loads are recomputed.
-    """
+    """A curve to solve: surface, name of the method, its checked settings, and increasing loads in p_0*."""
 
     profile: Waves
     method: str
     settings: Mapping[str, Any]
     loads: Array
-    known: Known | None = None
 
     @property
     def series(self) -> object:
@@ -60,20 +45,7 @@ class CurveTask(NamedTuple):
         method = find_method(self.method)
         method.check_applies(self.profile)
         start = clock()
-        if self.known is None or not method.by_load(**self.settings):
-            return method.solve(self.profile, self.loads, **self.settings), clock() - start
-        known, seconds = self.known[:2], self.known.seconds
-        lacking = self.loads[~np.isin(self.loads, known[0])]
-
-        def whole(solved: tuple[Array, Curve] | None) -> tuple[Array, Curve]:
-            loads, curve = joined([known] if solved is None else [known, solved])
-            return loads, method.complete(self.profile, loads, curve, **self.settings)
-
-        if lacking.size == 0:
-            return whole(None)[1], seconds
-        with keeping(whole):
-            solved = method.solve(self.profile, lacking, **self.settings)
-        return whole((lacking, solved))[1], seconds + clock() - start
+        return method.solve(self.profile, self.loads, **self.settings), clock() - start
 
     def outcome(self) -> Outcome:
         """Return the solution and its seconds, or the error of the method."""

@@ -5,9 +5,9 @@ Imports all other folders of weier, and is imported by none.
 
 from __future__ import annotations
 
+import signal
 import sys
 import warnings
-from typing import NoReturn
 
 import click
 
@@ -17,13 +17,16 @@ from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
 from weier.scene.yaml import one_line
 
-EXIT = (
-    "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, with a message; 2 wrong usage; "
-    "130 stopped by Ctrl-C."
+COMMANDS = [one_profile.solve, one_profile.plot, tables.report, tables.table]
+COMMANDS += [rules.compile, rules.adopt, rules.curves, rules.make]
+
+
+@click.group(
+    commands=COMMANDS,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, with a message; 2 wrong usage; "
+    "130 stopped by Ctrl-C.",
 )
-
-
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}, epilog=EXIT)
 @click.version_option(VERSION)
 def cli() -> None:
     """Contact stiffness and contact resistance of the Weierstrass profile.
@@ -36,29 +39,12 @@ def cli() -> None:
     weier report shaft*.csv --si bodies.yaml --pressures 1:100:20MPa -o report.csv -o report.png
     weier table results/paper/contact.nc curves.csv            curves for a spreadsheet
     snakemake --cores 2 --config scenes=minimal                a scene, in a checkout
-
-    Completion of commands and options, for this shell or in ~/.bashrc (zsh_source, fish_source for others):
-
-    \b
-    eval "$(_WEIER_COMPLETE=bash_source weier)"
     """
 
 
-for _command in (
-    one_profile.solve,
-    one_profile.plot,
-    tables.report,
-    tables.table,
-    rules.compile,
-    rules.adopt,
-    rules.curves,
-    rules.make,
-):
-    cli.add_command(_command)
-
-
 def main() -> None:
-    """Run the command line; bad input and failed solves end in one sentence and exit code 1."""
+    """Run the command line; bad input and failed solves end in one sentence and exit code 1, by `sys.exit`."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # by a time limit, as by Ctrl-C
     warnings.showwarning = lambda message, *_: click.echo(f"weier: {message}", err=True)
     try:
         sys.exit(cli(prog_name="weier", standalone_mode=False))
@@ -68,13 +54,8 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except ModuleNotFoundError as error:
-        _stop(f"{error}: pip install 'weier[pipeline]', or requirements/run.txt of a checkout")
+        sys.exit(f"weier: {error}: pip install 'weier[pipeline]', or requirements/run.txt of a checkout")
     except MemoryError:
-        _stop("not enough memory: take fewer points, loads or cases")
+        sys.exit("weier: not enough memory: take fewer points, loads or cases")
     except (ValueError, ConvergenceError, OSError) as error:
-        _stop(str(error) if isinstance(error, SceneError) else one_line(error))
-
-
-def _stop(why: str) -> NoReturn:
-    print(f"weier: {why}", file=sys.stderr)
-    sys.exit(1)
+        sys.exit(f"weier: {error if isinstance(error, SceneError) else one_line(error)}")

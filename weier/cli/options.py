@@ -15,9 +15,14 @@ from weier.methods.settings import described
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
 from weier.scene.yaml import read_yaml
 
+OVERWRITE = "overwrite"  # key of the context: whether files may be replaced
+
 
 class Output(click.Path):
-    """A file that can be written, which is checked before anything is computed, with one of these suffixes."""
+    """A file that can be written, with one of these suffixes; `FORCE` lets it replace another.
+
+    It is checked before anything is computed.
+    """
 
     def __init__(self, *suffixes: str) -> None:
         super().__init__(path_type=Path)
@@ -28,23 +33,17 @@ class Output(click.Path):
         check_target(path := Path(value))
         if path.suffix not in self.suffixes:
             self.fail(f"the name must end in one of {', '.join(self.suffixes)}, got {path.name}", param, ctx)
+        if path.exists() and ctx and not ctx.meta[OVERWRITE]:
+            raise ValueError(f"{path} exists: name another file, or overwrite it by --force")
         return path
 
 
-def check_free(path: Path, force: bool) -> None:
-    """Refuse a file that exists unless it may be overwritten."""
-    if path.exists() and not force:
-        raise ValueError(f"{path} exists: name another file, or overwrite it by --force")
-
-
 def numbers(text: str) -> list[float]:
-    """Return numbers with commas between; click reports a ValueError as a wrong value of its option."""
-    return [float(part) for part in text.split(",")]
-
-
-def indices(text: str) -> list[int]:
-    """Return whole numbers with commas between."""
-    return [int(part) for part in text.split(",")]
+    """Return numbers with commas between."""
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise click.BadParameter(f"it must be numbers with commas between, such as 0,2, got {text!r:.80}") from None
 
 
 def setting(text: str) -> tuple[str, str, Any]:
@@ -55,80 +54,87 @@ def setting(text: str) -> tuple[str, str, Any]:
 
 
 FILE = click.Path(path_type=Path)
-# Options of traces that take several numbers on the command line; several `shortest` are cases of a scene.
-LISTS = {"columns": indices, "missing_value": numbers}
-SI = (
-    "This YAML file has the values of weier.Interface, which may have units, as in E_1: 210 GPa; it may be a scene "
-    "with the key interface. Traces have their own lambda_0 and g_0."
+FORCE = click.option(
+    "--force",
+    is_flag=True,
+    is_eager=True,  # known before the names of outputs are checked
+    expose_value=False,
+    callback=lambda ctx, param, force: ctx.meta.update({OVERWRITE: force}),
+    help="Overwrite files that exist.",
 )
-FORCE = click.option("--force", is_flag=True, help="Overwrite files that exist.")
 SETTINGS = "\n\n".join(["Settings with their defaults, for --set:", *map(": ".join, described(METHODS))])
-
-SERIES_OPTIONS = (
-    click.Option(["-D", "D"], type=float, help="Fractal dimension, between 1 and 2."),
-    click.Option(["--gamma"], help='Ratio of successive wavelengths: 5 or "5/2".'),
-    click.Option(
-        ["-m", "m"], type=float, help=f"Number of waves, or inf for the methods {', '.join(infinite_names())}."
-    ),
-    click.Option(
-        ["--phases"],
-        type=numbers,
-        help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
-    ),
-    click.Option(["--seed"], type=int, help="Seed of random phases."),
-)
 
 
 def _trace_option(name: str, key: TraceKey) -> click.Option:
     """Return the option of a key of measured heights."""
-    kind = click.Choice(key.kind) if isinstance(key.kind, tuple) else LISTS.get(name, key.kind)
-    says = key.says.partition(" Several")[0] + " Several are separated by commas." * (name in LISTS)
-    return click.Option([f"--{name.replace('_', '-')}"], type=kind, help=says)
+    kind = click.Choice(key.kind) if isinstance(key.kind, tuple) else key.kind
+    if key.several and name != "shortest":  # of which a scene makes a case each
+        kind = numbers
+    return click.Option([f"--{name.replace('_', '-')}"], type=kind, help=key.says.partition(" Several")[0])
 
 
-TRACE_OPTIONS = tuple(_trace_option(name, key) for name, key in TRACE_KEYS.items())
-TOLERANCE_OPTION = click.Option(
-    ["--tolerance"],
-    type=float,
-    help=f"Accepted error of the compliance, in g_0, in {TOLERANCES}, for all methods that take one, or for auto.",
-)
-WORKERS_OPTION = click.Option(
-    ["--workers"],
-    type=int,
-    default=1,
-    show_default=True,
-    help="Number of processes for several curves; -1 for one per core.",
-)
-
-
-def bodies_options(required: bool) -> list[click.Option]:
-    """Return the options of two bodies and of pressures in Pa."""
-    about = f"Use Pa, m and ohm m^2, or K m^2/W for heat, for two bodies. {SI}"
-    pressures = (
-        'With --si, instead of --loads: mean pressures in a unit, as in "1,10MPa" or "1:100:20MPa"; without a unit '
-        "in Pa. Results have the unit that is given."
+def si_option(required: bool = False) -> click.Option:
+    """Return the option of two bodies."""
+    return click.Option(
+        ["--si", "bodies"],
+        type=FILE,
+        required=required,
+        help="Use Pa, m and ohm m^2, or K m^2/W for heat, for two bodies. This YAML file has the values of "
+        "weier.Interface, which may have units, as in E_1: 210 GPa; it may be a scene with the key interface. Traces "
+        "have their own lambda_0 and g_0.",
     )
+
+
+def solution_options(required: bool = False) -> list[click.Parameter]:
+    """Return the options of measured heights, two bodies, pressures, which may be required, and the solution."""
     return [
-        click.Option(["--si", "bodies"], type=FILE, required=required, help=about),
-        click.Option(["--pressures"], required=required, help=pressures),
+        *[_trace_option(name, key) for name, key in TRACE_KEYS.items()],
+        si_option(required),
+        click.Option(
+            ["--pressures"],
+            required=required,
+            help='With --si, instead of --loads: mean pressures in a unit, as in "1,10MPa" or "1:100:20MPa"; without '
+            "a unit in Pa. Results have the unit that is given.",
+        ),
+        click.Option(
+            ["--tolerance"],
+            type=float,
+            help=f"Accepted error of the compliance, in g_0, in {TOLERANCES}, for all methods that take one, or for "
+            "auto.",
+        ),
+        click.Option(
+            ["--workers"],
+            type=int,
+            default=1,
+            show_default=True,
+            help="Number of processes for several curves; -1 for one per core.",
+        ),
     ]
 
 
 def one_profile_options(default_loads: str) -> list[click.Parameter]:
     """Return the options of a profile, its loads and the methods."""
     return [
-        *SERIES_OPTIONS,
+        click.Option(["-D", "D"], type=float, help="Fractal dimension, between 1 and 2."),
+        click.Option(["--gamma"], help='Ratio of successive wavelengths: 5 or "5/2".'),
+        click.Option(
+            ["-m", "m"], type=float, help=f"Number of waves, or inf for the methods {', '.join(infinite_names())}."
+        ),
+        click.Option(
+            ["--phases"],
+            type=numbers,
+            help="Phases in radians: 1 for every wave but the first, or 0,1,2 for all m  [default: 0].",
+        ),
+        click.Option(["--seed"], type=int, help="Seed of random phases."),
         click.Option(
             ["--trace", "trace_file"],
             type=FILE,
             help="Instead of a series: a text file with heights in one or two columns, or an instrument file.",
         ),
-        *TRACE_OPTIONS,
         click.Option(
             ["--loads"],
             help=f'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios  [default: {default_loads}].',
         ),
-        *bodies_options(False),
         click.Option(
             ["--method", "methods"],
             multiple=True,
@@ -137,7 +143,6 @@ def one_profile_options(default_loads: str) -> list[click.Parameter]:
             f"{'. '.join(f'{method.name}: {method.summary}' for method in METHODS)}  "
             f"[default: {EXACT.name}, or {WITHIN_TOLERANCE.name} with a tolerance; for plot: {', '.join(PLOTTED)}].",
         ),
-        TOLERANCE_OPTION,
         click.Option(
             ["--set", "settings"],
             multiple=True,
@@ -145,5 +150,5 @@ def one_profile_options(default_loads: str) -> list[click.Parameter]:
             metavar="METHOD.NAME=VALUE",
             help="Setting of a method, such as bem.points_per_wave=32; repeatable.",
         ),
-        WORKERS_OPTION,
+        *solution_options(),
     ]

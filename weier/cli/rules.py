@@ -5,11 +5,9 @@ from __future__ import annotations
 import shutil
 import signal
 import traceback
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from time import perf_counter
 
 import click
 
@@ -20,14 +18,6 @@ from weier.digests import numerics
 from weier.pipeline.store import Store
 
 
-@contextmanager
-def job(*words: str) -> Iterator[None]:
-    """Print one line after a job: its command, its subject, and the seconds that it took."""
-    start = perf_counter()
-    yield
-    click.echo(f"{' '.join(words)}: {perf_counter() - start:.1f} s", err=True)
-
-
 @click.command()
 @click.argument("methods", nargs=-1)
 def compile(methods: Sequence[str]) -> None:
@@ -35,14 +25,10 @@ def compile(methods: Sequence[str]) -> None:
     from weier.pipeline.compile import compile_kernels  # only this command needs it
 
     # LLVM calls Python, where KeyboardInterrupt may be ignored, and delays it for seconds. The cache has whole files.
-    before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # in the background of a script it is ignored
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-    try:
-        with job("compile", *methods):
-            compile_kernels(methods)
-    finally:
-        signal.signal(signal.SIGINT, before)
+    for sent in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(sent) is signal.default_int_handler:  # in the background of a script it is ignored
+            signal.signal(sent, signal.SIG_DFL)
+    compile_kernels(methods)
 
 
 @click.command(hidden=True)
@@ -61,12 +47,11 @@ def curves(what: str, share: str, numerics: str, folder: Path, scenes: Sequence[
     from weier.pipeline.needed_curves import Curves
     from weier.pipeline.workflow import missing
 
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
     store = Store(folder, numerics)
     loaded = {path.stem: Curves(weier.load_scene(path), store) for path in scenes}
     own = missing(what, loaded.__getitem__, share)
-    with job("solve", f"{sum(len(part.keys) for part in own)} curves"):
-        solve(own, store, origin(), lambda line: click.echo(line, err=True))
+    click.echo(f"solve {sum(len(part.keys) for part in own)} curves", err=True)
+    solve(own, store, origin(), lambda line: click.echo(line, err=True))
 
 
 @click.command(hidden=True)
@@ -93,13 +78,13 @@ def make(scene_file: Path, store: Path, folder: Path) -> None:
     made = []
     for stamp in stamps:
         name = stamp.partition("/")[0]
+        click.echo(f"make {scene_file.stem} {name}", err=True)
         try:
-            with job("make", scene_file.stem, name):
-                make_product(curves, name, unfinished / stamp)
+            make_product(curves, name, unfinished / stamp)
             made.append(name)
+        except (OSError, ModuleNotFoundError):  # a full disk or a missing package stops all
+            raise
         except Exception as error:  # a bug in one figure must not cost the others
-            if isinstance(error, OSError | ModuleNotFoundError):  # a full disk or a missing package stops all
-                raise
             shutil.rmtree(unfinished / name, ignore_errors=True)
             why = error if isinstance(error, ValueError) else traceback.format_exc()
             click.echo(f"weier: {name} cannot be made: {why}", err=True)

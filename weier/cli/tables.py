@@ -11,7 +11,7 @@ import click
 
 from weier import units
 from weier.cli import options
-from weier.cli.options import FILE, FORCE, SI, Output
+from weier.cli.options import FILE, FORCE, Output
 from weier.data.ensembles import CLOSE_CUTOFFS
 from weier.data.files import write_text
 from weier.scene import Grouping
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from weier.surface.measured.trace import Trace
-
 # columns of a report, of those in the table of ensembles
 COLUMNS = (
     *("mean_pressure", "cases", "resistance_median", "resistance_percentile_10", "resistance_percentile_90"),
@@ -29,16 +27,16 @@ COLUMNS = (
 )
 
 
-@click.command()
+@click.command(params=[options.si_option()])
 @click.argument("contact", type=FILE)
 @click.argument("path", type=Output(".csv"), required=False)
-@click.option("--si", "bodies", type=FILE, help=f"Write SI units. {SI}")
 @click.option(
     "--ensemble",
     is_flag=True,
     help="Write the mean of each ensemble, the cases of a study that differ in phases, seed or file alone, with the "
     "standard deviation and the numerical error.",
 )
+@FORCE
 def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool) -> None:
     """Write the curves of a file as a table, also in SI units.
 
@@ -64,9 +62,7 @@ def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool)
         click.echo(f"the table is in {path}", err=True)
 
 
-@click.command(
-    params=[*options.TRACE_OPTIONS, *options.bodies_options(True), options.TOLERANCE_OPTION, options.WORKERS_OPTION]
-)
+@click.command(params=options.solution_options(required=True))
 @click.argument("files", nargs=-1, required=True, type=FILE)
 @click.option(
     "-o",
@@ -78,16 +74,7 @@ def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool)
     "repeatable. By default, the table is printed.",
 )
 @FORCE
-def report(
-    files: Sequence[Path],
-    outputs: Sequence[Path],
-    force: bool,
-    bodies: Path,
-    pressures: str,
-    tolerance: float | None,
-    workers: int,
-    **trace_options: Any,
-) -> None:
+def report(files: Sequence[Path], outputs: Sequence[Path], **given: Any) -> None:
     """Report the contact resistance of measured lines.
 
     FILES are traces of heights, one line of one surface each. A row of the table has the median of the resistance
@@ -99,26 +86,27 @@ def report(
     weier report shaft*.csv --si bodies.yaml --pressures 1:100:20MPa -o report.csv -o report.png
     weier report shaft.csv --x-unit mm --height-unit um --si bodies.yaml --pressures 1,10MPa
     """
-    for path in outputs:  # is checked before any file is read
-        if path.resolve() in {file.resolve() for file in files}:
-            raise click.BadParameter(f"{path} is one of FILES: name another output")
-        options.check_free(path, force)
-    from weier.cli.call import Call, check_solved  # xarray takes half a second, and the help needs none of it
+    if overwritten := {file.resolve() for file in files} & {path.resolve() for path in outputs}:
+        raise click.UsageError(f"{overwritten.pop()} is one of FILES: name another output")
+    from weier.cli import call  # xarray takes half a second, and the help needs none of it
     from weier.data import dataset
 
-    lines = _lines(files, trace_options)
-    call = Call.of(lines, bodies, pressures, tolerance=tolerance)
-    if any(path.suffix not in (".csv", ".nc") for path in outputs):
-        call.check_figure()
-    curves, stop = call.solve(workers)
-    done = curves["compliance"].notnull().all(("solution_method", "mean_pressure")).values
-    solved_lines = list(compress(lines, done))
-    if not solved_lines:
-        raise stop or ValueError("no line could be solved at all loads, for the reasons above")
-    solved = curves.isel(case=done)
-    data = call.in_units(solved)
-    sources = ", ".join(dict.fromkeys(line.source for line in solved_lines))
-    title = f"{len(solved_lines)} of {len(lines)} lines: {sources}"
+    lines = call.take_lines(files, given)
+    shortest = sorted(line.shortest for line in lines)
+    if shortest[-1] > (1 + CLOSE_CUTOFFS) * shortest[0]:
+        raise ValueError(
+            f"lines must have one shortest wavelength, got {shortest[0]:.4g} to {shortest[-1]:.4g} m, two steps of "
+            f"each file by default: give {shortest[-1]:.4g} m or more by --shortest, in m or in the unit of positions"
+        )
+    found = call.solve(lines, **given)
+    done = found.curves["compliance"].notnull().all(("solution_method", "mean_pressure")).values
+    if not done.any():
+        raise found.stopped or ValueError("no line could be solved at all loads, for the reasons above")
+    solved, count = found.curves.isel(case=done), int(done.sum())
+    data = found.in_units(solved)
+    title = ", ".join(dict.fromkeys(line.source for line in compress(lines, done)))
+    if len(lines) > 1:
+        title = f"{count} of {len(lines)} lines: {title}"
     ensemble = data.weier.ensemble()
     frame = _with_units(ensemble[[name for name in COLUMNS if name in ensemble]], data)
     for path in outputs:
@@ -127,27 +115,11 @@ def report(
         elif path.suffix == ".nc":
             dataset.write(data, path, title)
         else:
-            call.draw(solved, path, "resistance", Grouping(median_over=("trace",) * (len(solved_lines) > 1)))
+            found.draw(solved, path, "resistance", Grouping(median_over=("trace",) * (count > 1)))
     click.echo(title, err=bool(outputs))
     if not outputs:
         click.echo(frame.to_string(index=False, float_format="{:.5g}".format, line_width=100))
-    if stop is not None:
-        raise stop
-    check_solved(curves)
-
-
-def _lines(files: Sequence[Path], trace_options: dict[str, Any]) -> list[Trace]:
-    """Return the distinct lines of all files; ValueError unless they have one shortest wavelength, within 1 %."""
-    from weier.cli.call import trace_of
-
-    lines = {line.digest: line for line in (trace_of(file, trace_options) for file in files)}
-    shortest = sorted(line.shortest for line in lines.values())
-    if shortest[-1] > (1 + CLOSE_CUTOFFS) * shortest[0]:
-        raise ValueError(
-            f"lines must have one shortest wavelength, got {shortest[0]:.4g} to {shortest[-1]:.4g} m, two steps of "
-            f"each file by default: give {shortest[-1]:.4g} m or more by --shortest, in m or in the unit of positions"
-        )
-    return list(lines.values())
+    found.check_whole()
 
 
 def _with_units(frame: pd.DataFrame, data: xr.Dataset) -> pd.DataFrame:

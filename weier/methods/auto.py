@@ -194,14 +194,6 @@ def _with_resistance_error(choice: Choice, loads: Array, curve: Curve) -> Curve:
     return replace(curve, resistance_error=np.maximum(steepest - R, R - shallowest))
 
 
-def _complete(profile: Waves, loads: Array, curve: Curve, **settings: Any) -> Curve:
-    """Return a curve with the quantities that depend on all loads, for a tolerance of the compliance."""
-    choice = choose(profile, **settings)
-    if choice.left_out:
-        return _with_resistance_error(choice, loads, curve)
-    return choice.method.complete(choice.kept, loads, curve, **choice.settings)
-
-
 def _extrapolated(profile: Profile, choice: Choice, loads: Array, tolerance: float) -> Curve:
     """Return the curve of an infinite series with as many terms as its resistance requires, and the estimated error.
 
@@ -279,8 +271,6 @@ METHOD = Method(
     takes_traces=True,
     infinite=True,
     check=choose,
-    by_load=lambda quantity=COMPLIANCE, **settings: quantity == COMPLIANCE,  # R needs most terms at the heaviest load
-    complete=_complete,
     style=Style("#56B4E9", (3, 0.8), "X"),
     seconds=_seconds,
 )

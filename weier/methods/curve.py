@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 
@@ -42,20 +39,3 @@ class Curve:
     def values(self) -> dict[str, Any]:
         """Return the quantities that the method has, by name."""
         return {name: value for name, value in vars(self).items() if value is not None}
-
-
-def joined(parts: Sequence[tuple[Array, Curve]]) -> tuple[Array, Curve]:
-    """Return the increasing loads of curves by one method under different loads, and their curve, without edges."""
-    loads = np.concatenate([own for own, _ in parts])
-    order, known = loads.argsort(), [curve.values() for _, curve in parts]
-    found: dict[str, Any] = {}
-    for name in dict.fromkeys(name for values in known for name in values):
-        given = [values.get(name, np.nan) for values in known]
-        if max(map(np.ndim, given)) == 1:
-            each = [np.broadcast_to(value, own.shape) for value, (own, _) in zip(given, parts, strict=True)]
-            found[name] = np.concatenate(each)[order]
-        elif name == "second_attempts":
-            found[name] = sum(given)
-        elif max(map(np.ndim, given)) == 0:
-            found[name] = given[-1]
-    return loads[order], Curve(**found)

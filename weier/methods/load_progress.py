@@ -1,8 +1,7 @@
 """Progress over the loads: functions called after each load that a solver has done, and the curve so far.
 
 Ctrl-C, or a listener with a time limit, stops a solver between two loads or within one. The exception carries the
-curve of the loads that were solved before, as `curve`: the loops over the loads set it, and callers convert it. A
-listener gets the same curve from `curve_so_far`.
+curve of the loads that were solved before, as `curve`: the loops over the loads set it, and callers convert it.
 """
 
 from __future__ import annotations
@@ -10,12 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
-from functools import reduce
 from typing import Any
 
 INTERRUPTIONS = (KeyboardInterrupt, TimeoutError)  # exceptions that end a solution from outside
 _LISTENERS: ContextVar[tuple[Callable[[], None], ...]] = ContextVar("listeners", default=())
-_CONVERSIONS: ContextVar[tuple[Callable[[Any], Any], ...]] = ContextVar("conversions", default=())  # innermost first
 
 
 def count_load() -> None:
@@ -44,21 +41,13 @@ def keeping(so_far: Callable[[Any], Any]) -> Iterator[None]:
 
     `so_far` computes this curve, or None, from the curve attached by an inner block (None without one).
     """
-    token = _CONVERSIONS.set((so_far, *_CONVERSIONS.get()))
     try:
         yield
     except INTERRUPTIONS as stop:
         vars(stop)["curve"] = so_far(getattr(stop, "curve", None))
         raise
-    finally:
-        _CONVERSIONS.reset(token)
 
 
 def converting(convert: Callable[[Any], Any]) -> AbstractContextManager[None]:
     """Convert the curve, if any, of an exception that stops the solver within the `with` block."""
     return keeping(lambda found: None if found is None else convert(found))
-
-
-def curve_so_far() -> Any:
-    """Return the curve that an exception would carry if it stopped the solver now, or None; for listeners."""
-    return reduce(lambda found, so_far: so_far(found), _CONVERSIONS.get(), None)

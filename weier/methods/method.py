@@ -129,12 +129,6 @@ class Method:
     seconds : callable
         From a profile, loads and settings as keywords to the expected seconds of a curve on one core, right within a
         factor of 5: `CURVE_SECONDS`, and a power law with one measured number.
-    by_load : callable
-        From settings as keywords to whether each load is solved by itself, and costs so much that a curve should go
-        on from the loads that are known.
-    complete : callable
-        From a surface, loads, a Curve joined from curves of some of these loads, and settings as keywords to this
-        Curve with the quantities that depend on all loads.
     run_kernels : callable or None
         Runs compiled functions that curves of few waves do not reach, for `weier compile`.
     """
@@ -157,8 +151,6 @@ class Method:
     in_paper: bool = False
     style: Style = DEFAULT_STYLE
     seconds: Callable[..., float] = lambda profile, loads, **settings: CURVE_SECONDS
-    by_load: Callable[..., bool] = lambda **settings: False
-    complete: Callable[..., Curve] = lambda profile, loads, curve, **settings: curve
     run_kernels: Callable[[], object] | None = None
 
     @property

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,9 +16,6 @@ MAX_PASCAL = 1e13  # Pa; exceeds any modulus
 # Outside the range in p_0*, rounding leaves few digits of the compliance.
 LOAD_RANGE = {units.NORMALISED_PRESSURE: (1e-12, 1e12), units.PASCAL: (0.0, MAX_PASCAL)}
 SUSPECT_LOAD_RATIO = 100.0  # ratio to full contact above which loads are probably in Pa
-
-
-LoadsOf = Callable[[Waves], Array]  # Returns the loads of a surface in p_0*, for common loads in Pa.
 
 
 def listed_loads(

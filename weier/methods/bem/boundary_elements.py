@@ -122,14 +122,8 @@ def _as_curve(profile: Waves, loads: Array, found: list[Found], points: int) -> 
         contact_edge=edges.reshape(loads.size, 2 * most) * (float(profile.period) / points),
         points=points,
     )
-    return with_errors(profile, loads, solved)
-
-
-def with_errors(profile: Waves, loads: Array, curve: Curve, **settings: Any) -> Curve:
-    """Return a curve with its stated errors; the error of the resistance depends on all loads."""
-    points, residual = int(curve.values()["points"]), curve.values()["residual"]
-    h_error, R_error = stated_errors.errors(profile, loads, points, (curve.compliance, curve.resistance), residual)
-    return replace(curve, compliance_error=h_error, resistance_error=R_error)
+    h_error, R_error = stated_errors.errors(profile, loads, points, (solved.compliance, resistance), residual)
+    return replace(solved, compliance_error=h_error, resistance_error=R_error)
 
 
 def full_contact_load(profile: Waves, points: int) -> float:
@@ -224,6 +218,4 @@ METHOD = Method(
         CURVE_SECONDS + 1.6e-7 * loads.size * points_of(profile, **settings) ** 1.25
     ),
     check=_grid,
-    by_load=lambda **settings: True,
-    complete=with_errors,
 )

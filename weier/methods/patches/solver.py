@@ -302,7 +302,6 @@ METHOD = Method(
     applies=applies_to_resolvable,
     numerical=True,
     style=Style("#000000", (), "d"),
-    by_load=lambda **settings: True,
     run_kernels=run_kernels,
     seconds=lambda profile, loads, **settings: (
         CURVE_SECONDS + 7e-4 * loads.size * profile.waves_per_period[-1] ** 0.8
