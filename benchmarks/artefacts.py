@@ -21,7 +21,7 @@ from weier.surface import spectrum
 from weier.surface.measured import artefacts
 
 LIMITS = (
-    *("SENTINEL_DEVIATIONS", "SENTINEL_VOID", "MIN_DISTINCT", "OFF_LINE_DEVIATIONS"),
+    *("SENTINEL_DEVIATIONS", "MIN_DISTINCT", "OFF_LINE_DEVIATIONS"),
     *("ABRUPT_DEVIATIONS", "FLANK_RATIO", "JUMP_FRACTION", "JUMP_OUTLIER", "JUMP_RATIO"),
 )
 STEPS, SPIKES = ((0, 1), (0, 0.4, 1)), ((0, 1, 0), (0, -1, 0), (0, 1, 0.7, 0))  # shapes, over the range of heights

@@ -25,12 +25,12 @@ MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
 MEAN, TILT, FORM = DETREND = ("mean", "tilt", "form")
 DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # degree of the polynomial that each word removes
 NORMAL_MEDIAN = 0.6745  # median magnitude of a normal distribution, in standard deviations
-# A code for missing heights recurs exactly as the lowest or highest value, ten standard deviations from the median of
-# the others, and none of these lies within 0.6 of this distance from it, unlike in a groove with its flanks.
-SENTINEL_DEVIATIONS, SENTINEL_VOID = 10.0, 0.6
-# Or it is the value that recurs most often, at least three times, among heights nine tenths of which do not recur,
-# and differs from its neighbours by three standard deviations of the changes between neighbours.
-MIN_RECURRENCES, MIN_DISTINCT, OFF_LINE_DEVIATIONS = 3, 0.9, 3.0
+MISSING_TYPES = ("NoneType", "MaskedConstant", "NAType")  # of None, numpy.ma.masked and pandas.NA
+# A code for missing heights recurs exactly, as the lowest or highest value, and is off the line of the other heights
+# by ten standard deviations of the changes between neighbours, unlike a groove with its flanks. Or it is off by two
+# and recurs most often, at least three times, among heights nine tenths of which do not recur.
+SENTINEL_DEVIATIONS, OFF_LINE_DEVIATIONS = 10.0, 2.0
+MIN_RECURRENCES, MIN_DISTINCT = 3, 0.9
 # From one height to the next, normal roughness changes by at most five standard deviations: one
 # change in 10^6 is larger. A change of six is abrupt. On the flank of a groove, an abrupt change has a neighbour of
 # the same sign and of equal size within a factor of three. Any other abrupt change is a jump if it is twice as large
@@ -59,7 +59,7 @@ def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None
         values = values.tolist()  # with None for masked values
     if isinstance(values, list | tuple) or getattr(values, "dtype", None) is np.dtype(object):
         with suppress(TypeError):  # nor are datasets in a list, which are refused below
-            values = np.array([math.nan if _is_missing(height) else height for height in values], object)
+            values = np.array([math.nan if type(z).__name__ in MISSING_TYPES else z for z in values], object)
     z = checked_numbers("heights", values, "be finite or missing", lambda z: ~np.isinf(z))
     if z.ndim != 1:
         raise ValueError(f"heights must be one list, got an array of shape {z.shape}")
@@ -99,40 +99,37 @@ def without_gaps(z: Array, max_gap: int) -> tuple[Array, int]:
 
 
 def check_sentinels(z: Array) -> None:
-    """Refuse a value that recurs exactly, far from all others or from its neighbours: a code for missing heights."""
+    """Refuse a value that recurs exactly, off the line of the other heights: a code for missing heights."""
     values, first, count = np.unique(z, return_index=True, return_counts=True)
-    far = (at for at in (0, values.size - 1) if count[at] > 1 and values.size > 2 and _is_far(values, at))
+    limits = {0: SENTINEL_DEVIATIONS, values.size - 1: SENTINEL_DEVIATIONS}
     most = int(count.argmax())
-    at = next(far, most if _is_out_of_line(z, values[most], int(count[most])) else None)
-    if at is not None:
-        raise ValueError(
-            f"heights must be measured, got {values[at]:.9g} at {count[at]} of {z.size} places, first at height "
-            f"{first[at] + 1}, far from all others or from its neighbours: if it is a code for missing heights, say "
-            f"missing_value={values[at]:.9g}"
-        )
+    # Heights of few digits recur by chance.
+    if count[most] >= MIN_RECURRENCES and values.size - 1 >= MIN_DISTINCT * (z.size - count[most]):
+        limits = {most: OFF_LINE_DEVIATIONS} | limits
+    for at, deviations in limits.items():
+        if count[at] > 1 and values.size > 2 and _off_line(z, values[at]) > deviations:
+            raise ValueError(
+                f"heights must be measured, got {values[at]:.9g} at {count[at]} of {z.size} places, first at height "
+                f"{first[at] + 1}, far from its neighbours: if it is a code for missing heights, say "
+                f"missing_value={values[at]:.9g}"
+            )
 
 
-def _is_far(values: Array, at: int) -> bool:
-    """Return whether a value is separated by a gap from all others."""
-    others = np.delete(values, at)
-    low, middle, high = np.quantile(others, (0.25, 0.5, 0.75))
-    distance, nearest = abs(values[at] - middle), np.abs(others - values[at]).min()
-    return bool(
-        distance > SENTINEL_DEVIATIONS * (high - low) / (2 * NORMAL_MEDIAN) and nearest > SENTINEL_VOID * distance
-    )
-
-
-def _is_out_of_line(z: Array, value: float, count: int) -> bool:
-    """Return whether a value other than the extremes recurs far from its neighbouring heights."""
-    if count < MIN_RECURRENCES or not z.min() < value < z.max():
-        return False
+def _off_line(z: Array, value: float) -> float:
+    """Return the median distance of a value from lines through its neighbours, in deviations of ordinary changes."""
     here = z == value
     known = np.flatnonzero(~here)
-    rest = z[known]
-    if np.unique(rest).size < MIN_DISTINCT * rest.size:  # heights of few digits, which recur by chance
-        return False
-    off = np.abs(np.interp(np.flatnonzero(here), known, rest) - value)
-    return bool(np.median(off) > OFF_LINE_DEVIATIONS * np.median(np.abs(np.diff(rest))) / NORMAL_MEDIAN)
+    off = np.abs(np.interp(np.flatnonzero(here), known, z[known]) - value)
+    return float(np.median(off)) / _ordinary(np.abs(np.diff(z[known])))
+
+
+def _ordinary(size: Array) -> float:
+    """Return the standard deviation of changes of these sizes; at least one unit of heights with few digits.
+
+    Most of their changes are 0 or one unit.
+    """
+    counted = size[size > SAME_HEIGHT * size.max(initial=0)]
+    return max(float(np.median(counted)) / NORMAL_MEDIAN, float(counted.min())) if counted.size else math.inf
 
 
 def check_jumps(z: Array, step: float) -> None:
@@ -140,13 +137,11 @@ def check_jumps(z: Array, step: float) -> None:
 
     `z` is in m, and so is the step along x.
     """
-    if (at := _abrupt_change(z)) is not None:
-        width, size = 1, abs(z[at + 1] - z[at])
-    elif (jump := _isolated_jump(z)) is not None:
-        at, width = jump
-        size = np.ptp(z[at : at + width + 1])
-    else:
+    jump = _abrupt_change(z) or _isolated_jump(z)
+    if jump is None:
         return
+    at, width = jump
+    size = np.ptp(z[at : at + width + 1])
     # After a spike the heights return within ten steps.
     back = np.flatnonzero(np.abs(z[at + 2 : at + 11] - z[at]) < size / 2)
     kind, width = ("spike", int(back[0]) + 2) if back.size else ("step", width)
@@ -156,22 +151,17 @@ def check_jumps(z: Array, step: float) -> None:
     )
 
 
-def _abrupt_change(z: Array) -> int | None:
-    """Return the first abrupt change between neighbours without an adjacent flank, however dense such changes are."""
+def _abrupt_change(z: Array) -> tuple[int, int] | None:
+    """Return start and width of the first abrupt change without an adjacent flank, however dense such changes are."""
     change = np.diff(z)
     change = change - np.median(change)
     size = np.abs(change)
-    counted = size[size > SAME_HEIGHT * size.max()]
-    if not counted.size:
-        return None
-    # Most changes of heights with few digits are 0 or one unit, so that the scale is at least one unit.
-    ordinary = max(float(np.median(counted)) / NORMAL_MEDIAN, float(counted.min()))
     before, after = np.append(0, change[:-1]), np.append(change[1:], 0)
     same_way = np.maximum(before * np.sign(change), after * np.sign(change))
-    suspect = (size > ABRUPT_DEVIATIONS * ordinary) & (same_way < size / FLANK_RATIO)
+    suspect = (size > ABRUPT_DEVIATIONS * _ordinary(size)) & (same_way < size / FLANK_RATIO)
     near = np.convolve(suspect, np.ones(2 * JUMP_NEIGHBOURS - 1), "same") > 0
     abrupt = np.flatnonzero(suspect & (size > JUMP_OUTLIER * size[~near].max(initial=0)))
-    return int(abrupt[0]) if abrupt.size and not near.all() else None
+    return (int(abrupt[0]), 1) if abrupt.size and not near.all() else None
 
 
 def _isolated_jump(z: Array) -> tuple[int, int] | None:
@@ -220,8 +210,3 @@ def warn_about_form(level: Array) -> None:
             f'times as high as its roughness, {rough:.3g} m: say detrend="form" for the roughness alone',
             stacklevel=4,
         )
-
-
-def _is_missing(height: Any) -> bool:
-    """Return whether an element of a list is a missing height."""
-    return height is None or height is np.ma.masked or type(height).__name__ == "NAType"

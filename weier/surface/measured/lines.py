@@ -28,7 +28,7 @@ UNITS = {
     "mil": 2.54e-5,
     "uin": 2.54e-8,
 }
-# Further names in files. Names are compared in lower case, except for M, which never stands for a metre.
+# Further names in files. Names are compared in lower case, but M in a heading never stands for a metre.
 PREFIXES = {"": "m", "centi": "cm", "milli": "mm", "micro": "um", "nano": "nm", "pico": "pm"}
 SPELLINGS = {
     **{name: name for name in UNITS},
@@ -137,12 +137,13 @@ def _meaning(cell: str) -> tuple[str, str]:
         words = [POSITIONS if POSITIONS in words else HEIGHTS]
     quantities = ((POSITIONS, POSITION_WORDS), (HEIGHTS, HEIGHT_WORDS))
     named = (name for name, known in quantities for word in words if re.fullmatch(known, word))
-    return next(named, ""), _known(found[2] or found[3] or "")
+    unit = found[2] or found[3] or ""
+    return next(named, ""), "" if unit == "M" else length_unit(unit)
 
 
 def length_unit(name: str) -> str:
     """Return the unit of length for a name in a file or an array, none for none; ValueError if it is unknown."""
-    known = _known(unicodedata.normalize("NFKC", name.strip()))
+    known = SPELLINGS.get(unicodedata.normalize("NFKC", name.strip()).lower(), "")
     if name and not known:
         raise ValueError(f"the unit of heights and positions must be one of {', '.join(UNITS)}, got {shown(name)}")
     return known
@@ -163,8 +164,3 @@ def known_unit(what: str, given: Mapping[str, Any], named: str = "", required: b
             f"m; units are {', '.join(UNITS)}"
         )
     return next(iter(found.values()), "")
-
-
-def _known(name: str) -> str:
-    """Return a unit by one of its spellings; an empty name if it is none."""
-    return "" if name == "M" else SPELLINGS.get(name, SPELLINGS.get(name.lower(), ""))

@@ -39,15 +39,6 @@ GROUPS_OF_THREE = re.compile(r"[+-]?(\d{1,3}|[1-9]\d{0,2}([.,]\d{3})+)", re.ASCI
 PANDAS = "read the file by pandas.read_csv and pass the arrays to weier.Trace"
 
 
-def read_columns(path: Path, **layout: Any) -> Line:
-    """Return the line of heights in a file of text, with `skip`, `rows`, `columns`, `decimal` of `weier.Trace.read`.
-
-    ValueError is raised if the file is no text, or if something in the table is not read, or may or may not belong to
-    it; the message has the number of the line and the arguments that settle it.
-    """
-    return _Table(path, **layout).line()
-
-
 class _Signs(NamedTuple):
     """The delimiter and the decimal sign of a table, and the pattern of its numbers."""
 
@@ -85,8 +76,13 @@ class _Signs(NamedTuple):
         return math.nan if field in MISSING else float(field.replace(self.decimal, ".").upper().replace("D", "E"))
 
 
-class _Table:
-    """The lines of a file, and the block of them that is the table: the numbers of its lines, from 0."""
+class Table:
+    """The lines of a file, and the block of them that is the table: the numbers of its lines, from 0.
+
+    `skip`, `rows`, `columns` and `decimal` are those of `weier.Trace.read`. ValueError is raised if the file is no
+    text, or if something in the table is not read, or may or may not belong to it; the message has the number of the
+    line and the arguments that settle it.
+    """
 
     def __init__(
         self,

@@ -25,7 +25,7 @@ from weier.checks import checked_file, checked_number, checked_word, readable, s
 from weier.kernels.arrays import Array, Indices
 from weier.surface.measured import artefacts as measured
 from weier.surface.measured.lines import UNITS, Line, known_unit, length_of_steps, length_unit
-from weier.surface.measured.text import read_columns
+from weier.surface.measured.text import Table
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import MAX_WAVES, Waves
 
@@ -264,7 +264,7 @@ class Trace(Waves):
             If the file is no text, something in its table is not read, or its signs have two readings: the message
             has the line, and the argument that settles it. If a unit is unknown, or the heights are no roughness.
         """
-        one = read_columns(checked_file(path), skip=skip, rows=rows, columns=columns, decimal=decimal)
+        one = Table(checked_file(path), skip, rows, columns, decimal).line()
         named = one._replace(x_unit="" if x_unit else one.x_unit, height_unit="" if height_unit else one.height_unit)
         options = {"source": readable(Path(path).name), **options, "x_unit": x_unit, "height_unit": height_unit}
         return cls(named, length, shortest, ends, **options)
