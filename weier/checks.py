@@ -11,7 +11,6 @@ import math
 import os
 from collections.abc import Callable, Collection, Iterable
 from decimal import Decimal
-from difflib import get_close_matches
 from numbers import Real
 from os import PathLike
 from pathlib import Path
@@ -91,16 +90,7 @@ def checked_word(name: str, value: Any, choices: Collection[str]) -> str:
 def unknown(name: str, value: Any, choices: Iterable[str]) -> str:
     """Return the message for a word that is not one of the choices."""
     listed = ", ".join(choices) or "none"
-    return f"{name} must be one of {listed:.{MAX_LISTED}}, got {shown(value)}{suggestion(value, choices)}"
-
-
-def suggestion(value: Any, choices: Iterable[str]) -> str:
-    """Return the end of a message that suggests the choice nearest to a mistyped word; empty if none is near."""
-    if not isinstance(value, str):
-        return ""
-    folded = {choice.casefold(): choice for choice in choices}
-    near = get_close_matches(value[:MAX_SHOWN].casefold(), folded, n=1)
-    return f": did you mean {folded[near[0]]!r}?" if near else ""
+    return f"{name} must be one of {listed:.{MAX_LISTED}}, got {shown(value)}"
 
 
 def checked_flag(name: str, value: Any) -> bool:

@@ -297,7 +297,7 @@ def solved_with(loaded, solutions):
 def test_a_scene_names_claims_that_there_are(solved_with):
     (mistake,) = claims.check(solved_with(archard_above=("two",), archard_abov=("two",)).scene)
     assert mistake.keys == ("claims", "archard_abov")
-    assert mistake.text.endswith("did you mean 'archard_above'?")
+    assert mistake.text == f"a claim must be one of {', '.join(CLAIMS)}, got 'archard_abov'"
     assert not list(claims.check(solved_with(**dict.fromkeys(CLAIMS, ("two",))).scene))
 
 

@@ -91,7 +91,7 @@ def test_a_wrong_scene_ends_in_one_sentence(folder):
     for function in (lambda: plan().all_files(of()), lambda: solved(plan(), "one")):
         with pytest.raises(SystemExit, match=r"^weier: config/scenes/test.yaml.*D must lie in \(1, 2\)"):
             function()
-    with pytest.raises(SystemExit, match=r"^weier: a scene of .* must be one of .*, got 'tset': did you mean 'test'"):
+    with pytest.raises(SystemExit, match=r"^weier: a scene of .* must be one of .*, got 'tset'"):
         solved(plan(), "one", scene="tset")
     change(folder, "2.25, gamma", "1.25, gamma")
     with pytest.raises(SystemExit, match=r"^weier: a figure of test must be one of one, two, got 'three'"):
