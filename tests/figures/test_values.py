@@ -8,35 +8,26 @@ import pytest
 
 from tests.figures.test_figures import many_cases
 from tests.figures.test_figures import studies as studies  # a fixture
-from weier import Interface, figures
-from weier.data.bodies import Bodies
+from weier import figures
 from weier.figures import values
 from weier.figures.tables import Values
 from weier.scene import Figure, Grouping
-
-BODIES = {"mu_1": 8e10, "mu_2": 8e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 2e-7, "rho_2": 2e-7, "lambda_0": 1e-3}
 
 
 def table(wanted, given):
     return list(csv.DictReader(StringIO(values.as_csv(figures._drawn(wanted, given)))))
 
 
-@pytest.mark.parametrize("si", [False, True])
-def test_lines_and_bands_are_those_of_the_data(studies, si):
-    bodies = Bodies(**BODIES, g_0=1e-6) if si else None
+def test_lines_are_those_of_the_data(studies):
+    """In SI units, too, in tests/scene/test_loads_in_pascal.py."""
     one = studies["one"]
-    pressures = bodies.pressure(one.mean_pressure.values) if bodies else None
-    given = one.assign_coords(mean_pressure=("mean_pressure", pressures, {"units": "Pa"})) if bodies else one
-    rows = table(Figure("compliance", interface=bodies), [given])
-    x, y = ("mean pressure p (Pa)", "compliance h (m)") if si else ("mean pressure p/p_0*", "compliance h/g_0")
+    rows = table(Figure("compliance"), [one])
+    x, y = "mean pressure p/p_0*", "compliance h/g_0"
     assert list(rows[0])[:4] == ["panel", "curve", x, y]
     drawn = [(float(row[x]), float(row[y])) for row in rows if row["curve"] == "Demelio"]
     own = Values(one, "compliance")
-    loads, h = own.line(0, own.methods.index("demelio"))
-    scale = Interface(**BODIES, g_0=1e-6)
-    expected = (scale.pressure(loads), scale.compliance(h)) if si else (loads, h)
-    found = np.transpose(drawn)
-    assert found == pytest.approx(np.array(expected), rel=1e-12)
+    expected = own.line(0, own.methods.index("demelio"))
+    assert np.transpose(drawn) == pytest.approx(np.array(expected), rel=1e-12)
 
 
 def test_a_band_has_its_two_ends():
