@@ -11,7 +11,6 @@ from base64 import b64encode
 import pytest
 
 from tests.checkouts import copied, snakemake
-from weier.data import dataset
 from weier.data.provenance import VERSION
 
 SCENE = """
@@ -62,27 +61,22 @@ def edit(path, old, new):
     path.write_text(text.replace(old, new))
 
 
-def test_what_runs_no_job_needs_no_number_of_cores_and_writes_nothing(checkout):
-    """Nor do mistakes of a scene end a run that does not need it."""
+def test_plans_write_nothing_and_mistakes_end_those_that_need_them_in_a_sentence(checkout):
+    """Of a scene, or of a package of another version."""
     (checkout / "config/scenes/bad.yaml").write_text(SCENE.replace("D: 1.25", "D: 2.25"))
-    for command in (["--summary", "--config", "scenes=test"], ["--dry-run", "tradeoff", "--config", "scenes=bad"]):
-        done = snakemake(checkout, *command)
-        assert done.returncode == 0, done.stderr
-    done = snakemake(checkout, "--dry-run", "--config", "scenes=bad")
-    assert done.returncode == 1
-    assert done.stderr.count("D must lie in (1, 2)") == 2
-    assert not (checkout / "results").exists()
-
-
-def test_a_package_of_another_version_is_refused_in_a_sentence(checkout):
-    edit(checkout / "Snakefile", f'VERSION = "{VERSION}"', 'VERSION = "0.0.1"')
-    done = snakemake(checkout, "--dry-run", "--config", "scenes=test")
+    for *command, scene, mistake in (
+        ("--summary", "test", ""),
+        ("--dry-run", "tradeoff", "bad", ""),
+        ("--dry-run", "bad", "config/scenes/bad.yaml has 2 mistakes"),
+        ("--dry-run", "test", f"Snakemake needs weier 0.0.1, not {VERSION}, in its own environment: pip install"),
+    ):
+        if "0.0.1" in mistake:
+            edit(checkout / "Snakefile", f'VERSION = "{VERSION}"', 'VERSION = "0.0.1"')
+        done = snakemake(checkout, *command, "--config", f"scenes={scene}")
+        assert (done.returncode, f"weier: {mistake}" in done.stderr) == (bool(mistake), bool(mistake))
+        assert "Traceback" not in done.stderr
     edit(checkout / "Snakefile", 'VERSION = "0.0.1"', f'VERSION = "{VERSION}"')
-    assert done.returncode == 1
-    assert done.stderr.startswith(
-        f"weier: Snakemake needs weier 0.0.1, not {VERSION}, in its own environment: pip install"
-    )
-    assert done.stderr.count("\n") == 1
+    assert not (checkout / "results").exists()
 
 
 @pytest.fixture(scope="module")
@@ -91,23 +85,15 @@ def finished(checkout):
     return checkout
 
 
-def test_a_run_leaves_every_product_and_nothing_else(finished):
-    results = finished / "results/test"
-    drawn = {path.name for path in (results / "figures").iterdir()}
-    assert drawn == {f"{figure}.{kind}" for figure in ("one", "two") for kind in ("pdf", "svg", "png", "csv")}
-    assert dataset.read(results / "contact.nc").m.values.tolist() == [1, 2]
-    hidden = {path.name for path in (finished / "results").rglob(".*")}
-    assert hidden <= {".made_of", ".solved", ".snakemake_timestamp"}
-    assert not any(path.is_file() for path in (finished / "results/curves/.solved").rglob("*"))
-
-
 def test_there_and_back_each_product_is_that_of_its_scene_and_edited_files_are_made_again(finished):
-    """What is named is made alone, and only if it is not up to date."""
+    """What is named is made alone, and only if it is not up to date. Nothing else is left behind."""
     path, products = finished / "config/scenes/test.yaml", finished / "results/test"
-    files = ("contact.nc", "claims.md", "page.html", "figures/one.png", "figures/two.svg")
-    first = {file: (products / file).read_bytes() for file in files}
+    drawn = {f"{figure}.{kind}" for figure in ("one", "two") for kind in ("pdf", "svg", "png", "csv")}
+    assert {path.name for path in (products / "figures").iterdir()} == drawn
+    first = {file: file.read_bytes() for file in products.glob("**/[!.]*.*") if ".made_of" not in file.parts}
+    assert len(first) == 3 + len(drawn)
     for file in ("claims.md", "figures/one.png"):
-        (products / file).write_bytes(first[file] + b" ")
+        (products / file).write_bytes(first[products / file] + b" ")
     assert made(run(finished, "results/test/page.html", "results/test/figures/one.png")) == (["one"], 0)
     for text in (
         SCENE.replace("title: test", "title: other").replace("resistance,", "resistance, x: linear,"),
@@ -115,19 +101,20 @@ def test_there_and_back_each_product_is_that_of_its_scene_and_edited_files_are_m
     ):
         path.write_text(text)
         assert made(run(finished)) == (["contact.nc", "page.html", "two"], 0)
-    assert first == {file: (products / file).read_bytes() for file in files}
+    assert first == {file: file.read_bytes() for file in first}
     assert planned(finished) == {}
+    hidden = {path.name for path in (finished / "results").rglob(".*")}
+    assert hidden <= {".made_of", ".solved", ".snakemake_timestamp"}
+    assert not any(path.is_file() for path in (finished / "results/curves/.solved").rglob("*"))
 
 
 def test_the_report_of_snakemake_has_the_explorer_and_the_figures_with_captions(finished):
     run(finished, "--report", "report.html")
     text = (finished / "report.html").read_text()
     page = (finished / "results/test/page.html").read_bytes()
-    assert b'"curve bem"' in page  # the data of a line of the explorer
     assert f";filename=page.html;base64,{b64encode(page).decode()}" in text
     assert "results/test/figures/two.png" in text
     assert "Compliance over mean pressure. All curves of one profile meet at full contact" in text
-    assert re.findall(r'<(?:script|link|img)[^>]*(?:src|href)="https?:', text) == []
 
 
 MODULE = """
@@ -191,7 +178,7 @@ def test_the_workflow_is_fetched_from_a_repository(checkout, tmp_path):
 
 
 def test_results_without_records_and_of_other_dates_are_not_made_again(finished):
-    """As those of a copy."""
+    """As those of a copy, where an edited scene and edited code are seen."""
     shutil.rmtree(finished / ".snakemake")
     for pattern in ("results/**/*", "results/test/.made_of/**/*", "config/scenes/*"):
         for path in finished.glob(pattern):
@@ -200,24 +187,19 @@ def test_results_without_records_and_of_other_dates_are_not_made_again(finished)
     edit(finished / "config/scenes/test.yaml", "resistance,", "resistance, x: linear,")
     assert planned(finished, "results/test/figures/two.png") == {"make": 1, "figure": 1}
     edit(finished / "config/scenes/test.yaml", "resistance, x: linear,", "resistance,")
+    edit(finished / "weier/methods/bem/active_set.py", "MAX_STEPS = 1000", "MAX_STEPS = 10 * 100")
+    assert planned(finished) == {"solve": 1, "make": 1, "data": 1, "figure": 2, "page": 1}
+    edit(finished / "weier/methods/bem/active_set.py", "MAX_STEPS = 10 * 100", "MAX_STEPS = 1000")
 
 
 def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     fault = '    if quantity == "resistance":\n        raise ValueError("no ink")\n'
     edit(finished / "weier/figures/many_curves.py", "    return figure\n", f"{fault}    return figure\n")
-    killed = finished / "results/test/.made_of/0-of-3.abc.unfinished"
-    (killed / "page.html").mkdir(parents=True)
     stamps = sorted((finished / "results/test/.made_of").glob("*/two/*"))
     done = snakemake(finished, "--latency-wait", "1", "--cores", "1", "--config", "scenes=test")
     assert done.returncode == 1
     assert "weier: two cannot be made: no ink\n" in done.stdout
     assert "weier: results/test/figures/two.png was not made, for the reason in results/logs/test" in done.stdout
     assert sorted((finished / "results/test/.made_of").glob("*/two/*")) == stamps
-    assert not killed.exists()
     assert made(done.stdout) == (["contact.nc", "one", "page.html"], 0)
     assert planned(finished) == {"make": 1, "figure": 1}
-
-
-def test_changed_code_of_curves_solves_and_makes_all_again(finished):
-    edit(finished / "weier/methods/bem/active_set.py", "MAX_STEPS = 1000", "MAX_STEPS = 10 * 100")
-    assert planned(finished) == {"solve": 1, "make": 1, "data": 1, "figure": 2, "page": 1}

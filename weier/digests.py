@@ -10,8 +10,7 @@ import ast
 import hashlib
 import json
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -65,18 +64,14 @@ def digest_of_modules(*parts: str) -> str:
     if not texts:  # without sources (a zip), two versions would have one digest
         raise OSError(f"there are no sources of weier in {PACKAGE}, which name what depends on them")
     known = digest([[path, hashlib.sha256(text).hexdigest()] for path, text in texts.items()])
-    path: Path | None = None
-    with ignoring_errors_of_disks():
-        path = cache_root() / "digests" / known
+    path = cache_root() / "digests" / known
+    with suppress(OSError):
         if len(found := path.read_text(encoding="ascii")) == len(known):
             return found
     found = digest([[name, _plain(name, text)] for name, text in texts.items()])
-    if path is not None:
-        with ignoring_errors_of_disks():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            temporary = path.with_name(f".{known}.{os.getpid()}")
-            temporary.write_text(found, encoding="ascii")
-            temporary.replace(path)
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(found, encoding="ascii")  # readers check the length
     return found
 
 
@@ -91,7 +86,7 @@ def versions() -> str:
 def cache_root() -> Path:
     """Return the cache folder of weier, in NUMBA_CACHE_DIR or in the user's cache.
 
-    OSError is raised where the user has no home directory, as in a container, and no variable names a cache.
+    Without a home directory, as in a container, it is a path at which no file can be written.
     """
     if own := os.environ.get("NUMBA_CACHE_DIR"):
         return Path(own)
@@ -100,17 +95,7 @@ def cache_root() -> Path:
     try:
         return Path.home() / ".cache" / "weier"
     except RuntimeError:
-        raise OSError("there is no home directory for the cache") from None
-
-
-@contextmanager
-def ignoring_errors_of_disks() -> Iterator[None]:
-    """Ignore errors of the operating system, but not a TimeoutError from a signal handler, which has no errno."""
-    try:
-        yield
-    except OSError as error:
-        if isinstance(error, TimeoutError) and error.errno is None:
-            raise
+        return Path(os.devnull)
 
 
 def is_in(module: str, parts: tuple[str, ...]) -> bool:

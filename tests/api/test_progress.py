@@ -1,12 +1,13 @@
 """Progress over the loads, and what a stopped solution keeps."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import weier
 from weier.api import progress
 from weier.api.progress import Progress
-from weier.kernels.jit import COMPILING_SECONDS
 from weier.methods.load_progress import reporting_to
 from weier.methods.registry import find_method
 
@@ -33,11 +34,11 @@ def test_each_load_counts_once(name, settings):
 def test_progress_has_the_loads_and_the_remaining_time_without_that_of_compiling(monkeypatch):
     said, now = [], [0.0]
     monkeypatch.setattr(progress, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(progress, "TIMERS", [SimpleNamespace(done=True, duration=0.0)])
     counter = Progress(30, "30 loads", 3.0, said.append)
-    before = COMPILING_SECONDS.set(COMPILING_SECONDS.get() + 96)
+    progress.TIMERS[0].duration = 96.0
     for now[0], done in ((100.0, 1), (102.0, 2), (116.0, 10), (136.0, 30)):
         counter.reach(done)
-    COMPILING_SECONDS.reset(before)
     assert said == ["3 % of 30 loads, about 116 s left", "33 % of 30 loads, about 40 s left"]
 
 

@@ -6,14 +6,14 @@ import sys
 from collections.abc import Callable
 from time import perf_counter
 
-from weier.kernels.jit import COMPILING_SECONDS
+from weier.kernels.jit import TIMERS
 
 LONG = 10.0  # Interval between two messages, and least expected time that is announced, in s.
 
 
 def clock() -> float:
-    """Return the seconds since an arbitrary start, not counting compilation."""
-    return perf_counter() - COMPILING_SECONDS.get()
+    """Return the seconds since an arbitrary start, not counting loading and compiling of kernels."""
+    return perf_counter() - sum(timer.duration for timer in TIMERS if timer.done)
 
 
 class Progress:

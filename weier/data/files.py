@@ -5,11 +5,10 @@ from __future__ import annotations
 import os
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from weier.checks import readable
-from weier.digests import ignoring_errors_of_disks
 
 
 @contextmanager
@@ -34,7 +33,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
             raise OSError(f"{path} cannot be written: {error.strerror}; fix this and rerun") from None
         raise
     finally:
-        with ignoring_errors_of_disks():
+        with suppress(OSError):
             temporary.unlink()
 
 

@@ -46,9 +46,8 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
                 with replacing(store.segments(name) / path.name) as temporary:
                     temporary.write_bytes(path.read_bytes())
             count = sum(len(part.keys) for part in sample)
-            record = {"curves": other.numerics, "code": store.numerics, "compared": count}
-            record |= {"identical": identical, "adopted": accepted}
-            write_text(store.segments(name) / RECORD, json.dumps(record, indent=1) + "\n")
+            record = {"curves": other.numerics, "code": store.numerics, "compared": count, "identical": identical}
+            write_text(store.segments(name) / RECORD, json.dumps(record | {"adopted": accepted}, indent=1) + "\n")
             store = Store(store.folder, store.numerics)  # a new store reads the copies
             agree = "the same bits" if identical else "within the stated errors" if within else "they differ"
             verdict = "adopted" if accepted else "not adopted"
@@ -71,11 +70,10 @@ def _compared(part: Part, store: Store, other: Store) -> tuple[bool, bool]:
         return [each.read(part.kind, each.rows(part.kind, part.keys), name) for each in (store, other)]
 
     same = {name: _same(*both(name)) for name in VARIABLES if name not in NOT_COMPARED}
-    identical = all(same.values())
-    # Surfaces and estimates have no stated errors.
-    if part.kind.method == SURFACE or both("compliance_error")[0] is None or not same["status"]:
-        return identical, identical
-    return identical, all(same[name] or _within(both(name), both(f"{name}_error")) for name in QUANTITIES)
+    # Surfaces have no stated errors.
+    within = part.kind.method != SURFACE and same["status"]
+    within &= all(same[name] or _within(both(name), both(f"{name}_error")) for name in QUANTITIES)
+    return all(same.values()), within or all(same.values())
 
 
 def _same(new: Any, old: Any) -> bool:

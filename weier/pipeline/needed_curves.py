@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from heapq import heapreplace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -133,18 +132,14 @@ def each_once(parts: Iterable[Part]) -> list[Part]:
 def share(wanted: Iterable[Part], number: int, count: int) -> list[Part]:
     """Return the share of job `number` of `count` of wanted curves, whichever of them are solved.
 
-    From the longest one to the shortest, each goes to the job with the fewest expected seconds so far. Equally long
-    ones are dealt in the order of their keys, as good as random: in the order of cases, all of a new seed might meet
-    the same job.
+    They are dealt to the jobs in turn, from the longest one to the shortest. Equally long ones come in the order of
+    their keys, as good as random: in the order of cases, all of a new seed might meet the same job.
     """
     parts = each_once(wanted)
     keys = np.concatenate([part.keys for part in parts])
     seconds = np.round(np.concatenate([part.seconds for part in parts]), 6)  # last bits differ between processors
-    own, jobs = np.empty(seconds.size, bool), [(0.0, job) for job in range(count)]
-    for curve in np.lexsort((keys, -seconds)).tolist():
-        before, job = jobs[0]
-        heapreplace(jobs, (before + seconds[curve], job))
-        own[curve] = job == number
+    own = np.zeros(seconds.size, bool)
+    own[np.lexsort((keys, -seconds))[number::count]] = True
     return [part.only(mine) for part, mine in zip(parts, _split(own, parts), strict=True)]
 
 

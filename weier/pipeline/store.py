@@ -1,21 +1,18 @@
 """Solved curves in append-only segments: files of rows, each with its key.
 
 `results/curves/KIND/NUMERICS/*.npz` are the segments of a kind under one numerics, and `KIND/kind.json` describes the
-kind. A segment is written to a temporary file, synced and renamed, and never changed. If two runs have solved the
-same curve, two segments hold its key, and either may be read.
+kind. A segment is written to a temporary file, synced and renamed, and never changed; its name ends in its checksum.
+If two runs have solved the same curve, two segments hold its key, and either may be read.
 """
 
 from __future__ import annotations
 
-import errno
+import hashlib
+import io
 import json
 import os
-import socket
 import time
-import zipfile
-import zlib
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -31,7 +28,7 @@ Rows = tuple[Indices, Indices]  # the segment of each curve, and its row there
 
 KEY, ORIGIN = "key", "origin"  # one key per row, one origin per segment
 SUFFIX = ".npz"
-DAMAGED = "{} is damaged ({}): move it away and run snakemake again, which solves its curves anew"
+DAMAGED = "{} is damaged: move it away and run snakemake again, which solves its curves anew"
 
 
 class Index(NamedTuple):
@@ -71,17 +68,14 @@ class Store:
         return index.segment[place], index.row[place]
 
     def read(self, kind: Kind, rows: Rows, name: str) -> NDArray[Any] | None:
-        """Return a variable of the curves in `rows`, shape (rows, ...), NaN or "" if missing; None if none has it.
-
-        ValueError is raised if a segment is damaged.
-        """
+        """Return a variable of the curves in `rows`, shape (rows, ...), NaN or "" if missing; None if none has it."""
         index, (segment, row) = self.index(kind.name), rows
         if name == ORIGIN:
             return np.array(index.origins, object)[segment]
         found: dict[int, NDArray[Any]] = {}
         for number in np.flatnonzero(np.bincount(segment)).tolist():  # those that have rows
             if name in index.columns[number]:
-                with opened(index.files[number]) as columns:
+                with np.load(index.files[number]) as columns:
                     found[number] = columns[name]
         if not found:
             return None
@@ -100,10 +94,10 @@ class Store:
         names = dict.fromkeys(name for row in rows.values() for name in row)
         columns = {name: _column([row.get(name) for row in rows.values()]) for name in names}
         columns |= {KEY: np.array([*rows], np.uint64), ORIGIN: np.array(origin)}
-        host = socket.gethostname().partition(".")[0]
-        path = self.segments(kind.name) / f"{time.time_ns():x}-{host}-{os.getpid()}{SUFFIX}"
+        np.savez_compressed(content := io.BytesIO(), allow_pickle=False, **columns)
+        path = self.segments(kind.name) / f"{time.time_ns():x}-{_checksum(content.getvalue())}{SUFFIX}"
         with replacing(path) as temporary, temporary.open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, **columns)
+            file.write(content.getvalue())
             file.flush()
             os.fsync(file.fileno())
         self._indices.pop(kind.name, None)
@@ -113,14 +107,15 @@ class Store:
         return self.folder / kind / self.numerics
 
     def index(self, kind: str) -> Index:
-        """Return the rows of a kind."""
+        """Return the rows of a kind; ValueError if a segment is damaged."""
         if kind not in self._indices:
             files = sorted(self.segments(kind).glob(f"[!.]*{SUFFIX}"))
             names, origins, keys = list[Collection[str]](), [], []
             for file in files:
-                with opened(file) as columns:
-                    for member in columns.zip.infolist():
-                        columns.zip.open(member).close()  # a damaged name would hide its column
+                content = file.read_bytes()
+                if not file.stem.endswith(_checksum(content)):
+                    raise ValueError(DAMAGED.format(file))
+                with np.load(io.BytesIO(content)) as columns:
                     names.append(columns.files)
                     origins.append(str(columns[ORIGIN]))
                     keys.append(columns[KEY])
@@ -133,17 +128,8 @@ class Store:
         return self._indices[kind]
 
 
-@contextmanager
-def opened(file: Path) -> Iterator[Any]:
-    """Yield the columns of a segment, which are read on access; a damaged file is a ValueError with advice."""
-    try:
-        with file.open("rb") as content, np.load(content) as columns:  # np.load alone leaves a damaged file open
-            yield columns
-    except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError, ValueError, KeyError) as error:
-        # EINVAL is an offset beyond the end of the file, and bz2 gives no number.
-        if isinstance(error, TimeoutError) or getattr(error, "errno", None) not in (None, errno.EINVAL):
-            raise
-        raise ValueError(DAMAGED.format(file, error)) from None
+def _checksum(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:16]
 
 
 def _column(values: Sequence[Any]) -> NDArray[Any]:

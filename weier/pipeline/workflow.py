@@ -162,29 +162,16 @@ def missing(what: str, curves: Callable[[str], Curves], job: str = "") -> list[P
 
 
 def kernels_file(kernels: str) -> str:
-    """Return the marker file of some kernels: in the cache, so that runs in all folders share it.
-
-    Without a home directory there is no cache, and the file is not used.
-    """
-    try:
-        cache = cache_folder()
-    except OSError:
-        cache = Path("results")
-    return str(cache / "compiled" / kernels)
+    """Return the marker file of some kernels: in the cache, so that runs in all folders share it."""
+    return str(cache_folder() / "compiled" / kernels)
 
 
 def names_of_scenes(config: Mapping[str, Any]) -> list[str]:
-    """Return the names of the scenes of the configuration, each once.
-
-    On its command line Snakemake reads 0815 as the number 815, which may be another scene.
-    """
+    """Return the names of the scenes of the configuration, each once."""
     with ending_in_one_sentence():
         for key in config:
             checked_word("a key of --config", key, ["scenes"])
         given = config.get("scenes")
-        if not isinstance(given, str) or not given.strip():
-            raise ValueError(
-                f"scenes must be names of scenes with commas between, got {shown(given)}: rename a scene whose name "
-                "is a number, or name it in a file for --configfile, with quotes"
-            )
+        if not isinstance(given, str) or not given.strip():  # Snakemake reads 0815 as 815, perhaps another scene
+            raise ValueError(f"scenes must be names, with commas between, got {shown(given)}: numbers need quotes")
         return list(dict.fromkeys(name.strip() for name in given.split(",")))

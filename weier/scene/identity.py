@@ -7,28 +7,22 @@ a probability of n^2/2^65, 3e-8 for a million, since digests are as good as rand
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterable
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from weier.digests import digest
 from weier.kernels.arrays import Indices
 
 Keys: TypeAlias = NDArray[np.uint64]
 WORD = "<u8"
 
 
-def key_of(value: Any) -> np.uint64:
-    """Return the key of a plain value."""
-    text = json.dumps(value, sort_keys=True)
-    return np.uint64(np.frombuffer(hashlib.sha256(text.encode()).digest()[:8], WORD)[0])
-
-
 def keys_of(values: Iterable[Any]) -> Keys:
     """Return the keys of plain values."""
-    return np.array([key_of(value) for value in values], np.uint64)
+    return np.frombuffer(bytes.fromhex("".join(digest(value)[:16] for value in values)), WORD)
 
 
 def short_keys(keys: Keys) -> list[str]:

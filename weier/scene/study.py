@@ -16,7 +16,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.scene.case import Case, identity
 from weier.scene.figure import PHASES
-from weier.scene.identity import Keys, key_of, keys_of
+from weier.scene.identity import Keys, keys_of
 from weier.scene.yaml import number
 from weier.surface.profile import random_phases
 
@@ -67,7 +67,7 @@ class CaseProduct:
     @property
     def case_keys(self) -> Keys:
         """The key of each case, with its methods, settings and loads."""
-        return self.surface_keys + key_of([self.methods, self.settings, self.loads.tolist()])
+        return self.surface_keys + keys_of([[self.methods, self.settings, self.loads.tolist()]])
 
     def representative_cases(self, *names: str) -> Iterator[Case]:
         """Yield a case for each combination of the named parameters; other parameters keep their first value."""
