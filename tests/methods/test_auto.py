@@ -166,6 +166,14 @@ def test_the_resistance_of_an_infinite_series_is_estimated(series, tolerance):
     assert np.all(found.resistance_error < 0.5 * bounds.resistance_error)
 
 
+def test_the_resistance_of_an_infinite_series_just_above_a_birth_is_as_uncertain_as_that_of_its_first_terms():
+    """The terms left out add more than that."""
+    series, loads = Profile(1.25, 5, math.inf), [0.11297657214988815 * (1 + 1e-12)]
+    found = weier.solve(series, loads, tolerance=0.9, quantity="resistance")
+    first = weier.solve(series.truncated(int(found.chosen_terms)), loads, "patches")
+    assert found.resistance_error.item() > 2 * first.resistance_error.item() > 0.2
+
+
 def test_the_resistance_of_three_terms_is_estimated_where_no_more_can_be_resolved():
     found = weier.solve(Profile(1.25, 50, math.inf), [0.1], tolerance=0.3, quantity="resistance")
     assert found.chosen_terms == 3
