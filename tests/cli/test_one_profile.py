@@ -1,6 +1,7 @@
 """`weier solve` and `weier plot`: one profile from the command line."""
 
 import json
+import signal
 
 import numpy as np
 import pytest
@@ -160,3 +161,10 @@ def test_a_stopped_solution_has_the_loads_that_are_solved(run, tmp_path, monkeyp
     expected = weier.solve(weier.Profile(1.25, 5, 2, 1.0), found.mean_pressure.values)
     solved = found.resistance.sel(solution_method="patches").values.ravel()
     assert solved.tolist() == expected.resistance.values.tolist()
+
+
+def test_a_time_limit_keeps_the_loads_that_are_solved(run, tmp_path):
+    """Schedulers of clusters send SIGTERM."""
+    with reporting_to(lambda: signal.raise_signal(signal.SIGTERM)), pytest.raises(KeyboardInterrupt):
+        run("solve", *PROFILE, "-o", tmp_path / "part.nc")
+    assert xr.load_dataset(tmp_path / "part.nc").sizes["mean_pressure"] == 1
