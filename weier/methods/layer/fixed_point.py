@@ -27,18 +27,26 @@ from weier.methods.layer.scaling_tables import (
     merge,
     position_in,
 )
-from weier.methods.layer.wave import closure_sensitivity
+from weier.methods.layer.wave import closure_sensitivity, midpoints
 
 TABLE_FRACTION = 0.5  # fraction of the accuracy for the table; the residuals of the waves have the rest
 MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's estimate
 MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
 MAX_STEPS = 400  # Newton steps; 7 to 30 are usual
+MAX_D = 1.99999  # the lowest tables change h by 1e-6 there, by 5e-3 at 1.999999 (docs/layer.md, "Error and limits")
+MAX_MESH_ERROR = 1e-2  # relative; resolved waves have 1e-6 on 24 points and 1e-3 on 4, others 0.1 and more
 MAX_STEP = 0.5  # largest change of ln W in a step
 MIN_PART = 1e-3  # smallest part of the way from TW to the new table that is tried if a wave does not converge
 
 
 def infinite_waves(model: Model, bottom: float) -> ComplianceTable:
     """Return the waves of the infinite series of a D and gamma, on a table from this position on."""
+    if model.D > MAX_D:
+        raise ConvergenceError(
+            f"the layer model of the infinite series takes D up to {MAX_D:g}, got {model.D:.9g}: nearer to 2, loads "
+            "of finer waves determine the compliance that are too light for its tables",
+            math.inf,
+        )
     # number of scales over which errors of ln W and residuals of waves add up at heavy loads
     gain = np.array([model.infinite_amplitude])
     # This number is an estimate, so that residuals are half of what it leaves to the table.
@@ -48,14 +56,33 @@ def infinite_waves(model: Model, bottom: float) -> ComplianceTable:
     rows, errors = _guess(model, lattice(bottom, math.asinh(_top(model)))), gain
     while rows.position.size <= MAX_ROWS:
         rows, size = _newton(model, rows, math.sqrt(limit))
-        over_scales = np.linalg.inv(np.eye(len(size)) - size)
+        over_scales = np.asarray(np.linalg.inv(np.eye(len(size)) - size))
         limit, left, right = _limit(model, over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
         between, errors = evaluate_midpoints(_scale(model, rows).rows, rows, left, right)
-        adjacent = np.maximum(np.append(errors, 0), np.append(0, errors))  # each row has a cell on either side
-        if np.max(over_scales @ adjacent) <= TABLE_FRACTION * model.accuracy:
+        if _accumulated(errors, over_scales) <= TABLE_FRACTION * model.accuracy:
+            _check_mesh(model, rows, between, over_scales)
             return ComplianceTable(rows, model.infinite_amplitude, math.inf)
         rows = merge(rows, Rows(*(column[errors > limit] for column in between)))
     raise accuracy_error(float(np.max(errors)), rows, limit)
+
+
+def _accumulated(errors: Array, over_scales: Array) -> float:
+    """Return the largest relative error of the table from the errors of a scale in its cells, shape (cells,)."""
+    adjacent = np.maximum(np.append(errors, 0), np.append(0, errors))  # each row has a cell on either side
+    return float(np.max(over_scales @ adjacent))
+
+
+def _check_mesh(model: Model, rows: Rows, between: Rows, over_scales: Array) -> None:
+    """Raise ConvergenceError if the waves in the middle of the cells differ too much on 3/2 times the points."""
+    mesh = midpoints(3 * model.mesh.rise.size // 2)
+    finer = _scale(model._replace(mesh=mesh), rows).rows(between.position, None)
+    error = _accumulated(np.abs(finer.log_compliance - between.log_compliance), over_scales)
+    if not error <= MAX_MESH_ERROR:
+        raise ConvergenceError(
+            f"the mesh of the layer model changes the compliance by {error:.1e} of itself, above {MAX_MESH_ERROR:g}: "
+            "choose more points, or a D further from 2",
+            error,
+        )
 
 
 def _top(model: Model) -> float:
