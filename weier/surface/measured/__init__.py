@@ -1,1 +1,1 @@
-"""Measured heights: reading files of text and of instruments, units, artefacts, and the trace that they make."""
+"""Measured heights: reading files of text, units, artefacts, and the trace that they make."""
