@@ -180,6 +180,7 @@ def test_each_of_several_traces_and_series_has_its_own_scale():
 ARITHMETIC = {
     "assigned": lambda data: data.assign(resistance=1 / data.resistance),
     "of one unit": lambda data: data.assign(made=data.resistance / data.resistance.shift(mean_pressure=1)),
+    "without attributes": lambda data: data.assign(made=(1 / data.resistance).drop_attrs()),
     "of both": lambda data: data.assign(made=data.resistance / data.compliance),
     "loads": lambda data: data.assign_coords(mean_pressure=2 * data.mean_pressure),
 }

@@ -162,6 +162,8 @@ def test_labels_that_joined_curves_have_in_common_are_those_of_each():
     assert joined.weier.table()["D"].tolist() == [1.5] * 4
     assert joined.weier.cases(D=1.5).sizes["case"] == 2
     assert joined.weier.ensemble()["cases"].tolist() == [2, 2]
+    unknown = joined.assign_coords(temperature=("case", [-40.0, np.nan]))
+    assert unknown.weier.ensemble()["cases"].tolist() == [1] * 4
 
 
 def test_each_set_of_parameters_has_an_ensemble_of_its_own():
@@ -198,6 +200,7 @@ def test_cutoffs_settings_and_labels_of_a_user_divide_ensembles():
     assert table["cases"].tolist() == [2, 2]
     assert table["settings"].nunique() == 2
     studies = both[0].assign_coords(study=("case", ["one, two", "two"]))
+    assert [studies.weier.cases(study=name).sizes["case"] for name in ("one", "two")] == [1, 2]
     assert studies.weier.ensemble()[["study", "cases"]].values.tolist() == [["one", 1], ["two", 2]]
 
 
