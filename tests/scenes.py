@@ -7,7 +7,7 @@ from typing import Any
 import xarray as xr
 import yaml
 
-from weier import scene
+from weier import open_dataset, scene
 from weier.api.rows import BOUNDS
 from weier.data import dataset
 from weier.digests import numerics
@@ -43,6 +43,12 @@ def solve_scene(scene: Scene, folder: Path, jobs: int = 1) -> Curves:
 def write_data(curves: Curves, path: Path) -> None:
     """Write the dataset of a solved scene, and the table of its claims beside it."""
     claims.write(curves, path, path.with_suffix(".md"))
+
+
+def read(path: Path) -> xr.Dataset:
+    """A file of the pipeline, in memory."""
+    with open_dataset(path) as data:
+        return data.load()
 
 
 def blank(*sizes: Any, **options: Any) -> xr.Dataset:

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 import weier
-from tests.scenes import scene_in, solve_scene, write_data
+from tests.scenes import read, scene_in, solve_scene, write_data
 from tests.toy_method import TOY
 from weier import figures
 from weier.api import batch
-from weier.data import dataset
 from weier.figures import style
 from weier.methods import registry
 from weier.scene import Figure
@@ -51,7 +50,7 @@ def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
     data = batch.solve_batch(loaded.distinct, loaded.loads)
     assert data["compliance"].sel(solution_method="toy").values == pytest.approx(np.array([0.25 * LOADS] * 2))
     write_data(solve_scene(loaded, tmp_path / "curves"), tmp_path / "contact.nc")
-    gathered = dataset.read(tmp_path / "contact.nc")
+    gathered = read(tmp_path / "contact.nc")
     figures.draw(Figure("compliance"), [gathered], tmp_path / "figure.png")
     drawn = style.line("toy")
     assert (drawn["label"], drawn["color"]) == ("a toy", TOY.style.color)

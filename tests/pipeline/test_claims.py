@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from weier.data import dataset
+from tests.scenes import read
 from weier.data.variables import Check
 from weier.methods import westergaard
 from weier.pipeline import claims
@@ -316,7 +316,7 @@ def test_a_new_claim_is_one_row(solved_with, tmp_path, monkeypatch):
     found = claims.evaluate("demelio_exact", [study, study])  # a case of two studies counts once
     assert found.outcome == NO
     assert len(found.decisive.values) == study.sizes["case"]
-    data = dataset.read(tmp_path / "contact.nc").sel(claim="demelio_exact")
+    data = read(tmp_path / "contact.nc").sel(claim="demelio_exact")
     assert (data.claim_statement, data.claim_holds) == (found.statement, NO)
     assert data.claim_measured == verdicts.decisive_line(found)
     text = (tmp_path / "claims.md").read_text()
@@ -326,5 +326,5 @@ def test_a_new_claim_is_one_row(solved_with, tmp_path, monkeypatch):
 
 def test_scene_without_claims(solved_with, tmp_path):
     claims.write(solved_with(), tmp_path / "contact.nc", tmp_path / "claims.md")
-    assert "claim" not in dataset.read(tmp_path / "contact.nc").sizes
+    assert "claim" not in read(tmp_path / "contact.nc").sizes
     assert "no claims" in (tmp_path / "claims.md").read_text()

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tests.scenes import scene_in, solve_scene, write_data
+from tests.scenes import read, scene_in, solve_scene, write_data
 from weier.api import batch
-from weier.data import dataset
 from weier.pipeline.gather import read_study
 
 WAVE = {"product": {"D": 1.25, "gamma": 5, "m": 2}}
@@ -14,7 +13,7 @@ WAVE = {"product": {"D": 1.25, "gamma": 5, "m": 2}}
 
 def file_of(curves, folder):
     write_data(curves, folder / "contact.nc")
-    return dataset.read(folder / "contact.nc")
+    return read(folder / "contact.nc")
 
 
 MIXED = {

@@ -121,33 +121,6 @@ def append(values: xr.DataArray, path: Path, coordinates: Mapping[Any, xr.DataAr
     data.to_netcdf(path, "a", "NETCDF4", engine="netcdf4", encoding=_encoding(data))
 
 
-def read(path: str | Path) -> xr.Dataset:
-    """Read a netCDF file into memory; ValueError if it is truncated."""
-    with open_lazily(path) as data:
-        try:
-            return data.load()
-        except RuntimeError as error:  # netCDF reports a wrong checksum as an HDF error
-            raise _unreadable(path, error) from None
-
-
-def open_lazily(path: str | Path) -> xr.Dataset:
-    """Return a netCDF file, opened lazily: its values are read on access."""
-    checked_file(path)
-    try:
-        tree = xr.open_datatree(path, engine="netcdf4", cache=False)
-    except (PermissionError, TimeoutError):  # the file may be whole; the other is a time limit
-        raise
-    except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # attributes raise too
-        raise _unreadable(path, error) from None
-    groups = [group.to_dataset(inherit=False) for group in tree.subtree]
-    data = xr.merge(groups, join="exact", compat="override", combine_attrs="override")
-    data.set_close(tree.close)
-    for variable in data.variables.values():  # without stored widths, shorter texts can be written
-        for width in ("char_dim_name", "original_shape"):
-            variable.encoding.pop(width, None)
-    return data
-
-
 def open_dataset(path: str | Path) -> xr.Dataset:
     """Open a netCDF file of the pipeline or of a result of `weier.solve`; values are read on access.
 
@@ -178,15 +151,21 @@ def open_dataset(path: str | Path) -> xr.Dataset:
     ...     print(curve.sel(mean_pressure=0.09, method="nearest").values.round(4))
     [0.4044]
     """
-    data = open_lazily(path)
+    checked_file(path)
+    try:
+        tree = xr.open_datatree(path, engine="netcdf4", cache=False)
+    except (PermissionError, TimeoutError):  # the file may be whole; the other is a time limit
+        raise
+    except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # attributes raise too
+        raise ValueError(
+            f"{readable(str(path))} is not a whole netCDF file ({error}): close it in a program that still writes "
+            "it; if there is none, and weier made it, delete it and make it again"
+        ) from None
+    groups = [group.to_dataset(inherit=False) for group in tree.subtree]
+    data = xr.merge(groups, join="exact", compat="override", combine_attrs="override")
+    for variable in data.variables.values():  # without stored widths, shorter texts can be written
+        for width in ("char_dim_name", "original_shape"):
+            variable.encoding.pop(width, None)
     named = name_cases(as_cases(data))
-    named.set_close(data.close)  # The derived dataset would not close the file.
+    named.set_close(tree.close)  # The derived dataset would not close the file.
     return named
-
-
-def _unreadable(path: str | Path, error: Exception) -> ValueError:
-    """Return an error that explains why netCDF cannot open or read the file, since its own error does not."""
-    return ValueError(
-        f"{readable(str(path))} is not a whole netCDF file ({error}): close it in a program that still writes it; if "
-        "there is none, and weier made it, delete it and make it again"
-    )
