@@ -13,10 +13,13 @@ from weier.methods.patches.edge_iteration import (
     carried_along,
     edge_moves,
     make_guess,
+    merged_intervals,
     next_guess,
     rearrange,
     take_step,
 )
+from weier.methods.patches.segments import make_segments
+from weier.methods.patches.surface import make_series
 
 TOLERANCE, RESIDUAL = 1e-12, 1e-14
 
@@ -204,6 +207,16 @@ def test_contacts_merge_if_the_moves_of_their_edges_leave_no_gap_and_vanish_with
         assert not np.any(vanishing)
     (vanishing, merging), changes = _changes(first, gap, np.array([1.0, -1.0]), both.T, np.array([True, False]))
     assert (vanishing.tolist(), merging.tolist(), changes) == ([False, True], [False, False], True)
+
+
+def test_contacts_that_merge_reach_from_the_first_to_the_last_also_round_the_period():
+    """Contacts on [0.1, 0.2], [0.4, 0.6] and [0.9, 1.0], each of which may merge with the next one."""
+    middle, r, none = np.array([0.15, 0.5, 0.95]), np.array([0.05, 0.1, 0.05]), np.zeros(3)
+    segments = make_segments(none.astype(int), none, middle, r, np.full(3, 8))
+    problem = ContactProblem(make_series(np.ones(1), [1], np.zeros(1), 1.0), 0.1, KINDS[False])
+    for merging, (start, end) in (([True, False, False], (0.1, 0.6)), ([False, True, True], (0.4, 1.2))):
+        (found,) = merged_intervals(problem, segments, np.array(merging))
+        assert found == pytest.approx((start, end), rel=1e-12)
 
 
 def test_a_pressure_that_is_no_number_is_the_largest_singularity():
