@@ -51,8 +51,8 @@ def planned(folder, *arguments):
 
 def made(said):
     """The products that were made, and the number of curves that were solved."""
-    solved = sum(map(int, re.findall(r"^solve (\d+) curves: [\d.]+ s$", said, re.M)))
-    return sorted(re.findall(r"^make \w+ (\S+): [\d.]+ s$", said, re.M)), solved
+    solved = sum(map(int, re.findall(r"^solve (\d+) curves\b", said, re.M)))
+    return sorted(re.findall(r"^make \w+ ([^\s:]+)", said, re.M)), solved
 
 
 def edit(path, old, new):
@@ -201,5 +201,5 @@ def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     assert "weier: two cannot be made: no ink\n" in done.stdout
     assert "weier: results/test/figures/two.png was not made, for the reason in results/logs/test" in done.stdout
     assert sorted((finished / "results/test/.made_of").glob("*/two/*")) == stamps
-    assert made(done.stdout) == (["contact.nc", "one", "page.html"], 0)
+    assert made(done.stdout) == (EVERY, 0)  # begun
     assert planned(finished) == {"make": 1, "figure": 1}
