@@ -66,7 +66,7 @@ def slow(*given):
     print("solved", flush=True)
     time.sleep(0.1)
     return own(*given)
-jobs._row, jobs.APPEND_SECONDS = slow, 0
+jobs._row, jobs.APPEND_SECONDS = slow, float(sys.argv.pop(1))
 run()
 """
 
@@ -82,8 +82,8 @@ def test_jobs_that_are_stopped_keep_their_curves_and_the_next_one_solves_the_res
         tmp_path / "scene.yaml",
     ]
     left = [sum(len(part.keys) for part in lacking(curves))]
-    for stop in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT):
-        job = subprocess.Popen([sys.executable, "-c", SLOW, *of], stdout=-1, stderr=-1, text=True)
+    for stop, seconds in ((signal.SIGKILL, 0), (signal.SIGTERM, 60), (signal.SIGINT, 60)):
+        job = subprocess.Popen([sys.executable, "-c", SLOW, str(seconds), *of], stdout=-1, stderr=-1, text=True)
         for _ in range(6):
             assert job.stdout.readline() == "solved\n"
         job.send_signal(stop)
