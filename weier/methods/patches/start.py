@@ -34,6 +34,7 @@ from weier.methods.patches.surface import (
     distances_between,
     evaluate_at,
     from_crests,
+    in_order,
     intervals_between,
     surface_of,
 )
@@ -104,8 +105,10 @@ class Starts:
 
 
 def _make_guess(series: CosineSeries, load: float, kind: Kind, places: Intervals) -> ContactState:
-    """Return segments, given in order round the period, without nodes."""
-    return ContactState(kind, load, 0.0, Segments(*from_crests(series, places[0]), places[1]))
+    """Return segments, given in any order, without nodes."""
+    order, turns = in_order(places[0], series.period)
+    placed = *from_crests(series, (places[0] - turns)[order]), places[1, order]
+    return ContactState(kind, load, 0.0, Segments(*placed))
 
 
 def merge_overlaps(places: Intervals, period: float) -> Intervals:
