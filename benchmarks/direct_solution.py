@@ -32,7 +32,7 @@ def solve(segments: Segments, kind: Kind, directly: bool) -> tuple[Forces, Force
     """Return the solution under a uniform forcing and its increment, directly or by conjugate gradients."""
     unknowns = segments.first_node[-1]
     punches, none = make_punches(segments, 1.0, kind, unknowns if directly else 0), np.zeros(unknowns)
-    forces = solve_forces_on_contacts(punches, none + kind.increment, 1.0, none, RESIDUAL)
+    forces = solve_forces_on_contacts(punches, none + kind.increment, 1.0, RESIDUAL)
     return forces, solve_tangent(punches, forces, REDUCTION)
 
 

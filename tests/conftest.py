@@ -32,7 +32,7 @@ def first_attempts(request, monkeypatch):
     solve = solver.solve_in_stages
 
     def once(surface, guess, tolerance, accepted):
-        if guess.route.attempts > 1:
+        if guess.attempts > 1:
             pytest.fail(f"a second attempt under {guess.load!r} p_0*: mark the test with second_attempt if it may")
         return solve(surface, guess, tolerance, accepted)
 

@@ -134,7 +134,7 @@ def test_a_step_squares_the_error_of_edges(wave, dual):
         segments = displaced(exact, size * scale)
         step = take_step(problem, make_guess(problem, segments, TOLERANCE), RESIDUAL)
         moved = next_guess(problem, step, TOLERANCE, step.punches.segments.node_count)
-        found = moved.punches.segments
+        found = moved.segments
         assert step.settled
         off = abs(found.middle[0] - exact.middle[0]) + abs(found.half_width[0] - exact.half_width[0])
         errors.append(off / scale)
@@ -185,7 +185,7 @@ def test_a_rearranged_guess_has_the_segments_that_remain_and_the_new_ones_in_ord
     beside = exact.middle[0] - 0.5 * wave.period
     added = beside + 0.1 * scale * np.array([[-2.0, 1.0]])
     one = np.ones(1, bool)
-    found = rearrange(problem, step, exact, one, added, TOLERANCE, np.array([30])).punches.segments
+    found = rearrange(problem, step, exact, one, added, TOLERANCE, np.array([30])).segments
     at = int(np.argmax(found.half_width))
     assert found.half_width[[at, 1 - at]] == pytest.approx([exact.half_width[0], 0.15 * scale], rel=1e-12)
     assert found.node_count[at] == 30

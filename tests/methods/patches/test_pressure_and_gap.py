@@ -92,11 +92,10 @@ def test_one_wave_has_the_gap_and_the_pressure_of_westergaard(wave, dual):
     x = wave.crest + np.concatenate([inside, outside])
     pressure = np.concatenate([wave.pressure(inside), np.zeros(6)])
     gap = np.concatenate([np.zeros(5), wave.gap(outside)])
-    of_pressure = pressure_and_gap.pressures_or_gaps(state, series, x, False)
+    of_pressure = pressure_and_gap.values_at(state, series, *nearest_crests(series, x), False)
     np.testing.assert_allclose(of_pressure, pressure, rtol=0, atol=1e-10 / min(a, half - a))
-    np.testing.assert_allclose(
-        pressure_and_gap.pressures_or_gaps(state, series, x, True), gap, rtol=0, atol=1e-11 * wave.period
-    )
+    found = pressure_and_gap.values_at(state, series, *nearest_crests(series, x), True)
+    np.testing.assert_allclose(found, gap, rtol=0, atol=1e-11 * wave.period)
 
 
 @pytest.mark.parametrize("load", [1e-20, 1e-32])

@@ -259,7 +259,7 @@ def test_a_second_attempt_is_tighter_or_looser_if_rounding_limits_it_and_the_las
         return real(surface, guess, tolerance, accepted)
 
     monkeypatch.setattr(solver, "solve_in_stages", failing)
-    assert solver.solve_state(starts, 0.3)[0].route.attempts == 2
+    assert solver.solve_state(starts, 0.3)[0].attempts == 2
     assert tried == pytest.approx(expected, rel=1e-15, abs=0)
     with pytest.raises(solver.ConvergenceError, match="it fails"):
         solver.solve_state(starts, 0.3)

@@ -110,7 +110,7 @@ def test_contacts_without_the_last_wave_are_a_start(load):
     guess = contacts_guess(surface, load, np.stack([coarse.centre, coarse.half_width]))
     state, steps = solve_in_stages(surface, guess, TOLERANCE)
     expected = patches.solve_load(profile, load).state
-    assert state.route.corrections == 2
+    assert state.corrections == 2
     assert steps <= 31
     assert state.segments.centre.size == expected.segments.centre.size > 3 * coarse.centre.size
     assert state.approach == pytest.approx(expected.approach, abs=1e-12)
@@ -155,8 +155,8 @@ def test_a_contact_born_in_a_gap_changes_the_problem_that_is_solved(above, toler
     assert starts.guess(load).kind is GAPS
     state, steps = solve_state(starts, load)
     assert state.kind is CONTACTS
-    assert (state.segments.centre.size, state.route.corrections) == (4, 1)
-    assert 3 < state.route.steps == steps < 10
+    assert (state.segments.centre.size, state.corrections) == (4, 1)
+    assert 3 < state.steps == steps < 10
     assert state.error < 1e-12
 
 

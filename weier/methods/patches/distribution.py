@@ -12,8 +12,7 @@ from weier.methods.patches.solver import Solution
 from weier.methods.patches.surface import evaluate_at, intervals_between, nearest_crests
 
 BINS = 100  # default number of bins
-MIN_CELLS, CELLS_PER_RADIAN = 32, 8  # cells of a piece, at least and per radian of the finest wave in its half-width
-MAX_STEPS = 16  # of extrema and roots, which settle to rounding before
+CELLS = 8  # cells of a piece for each radian of the finest wave in its half-width, to which 4 are added
 
 
 def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None) -> tuple[Array, Array]:
@@ -30,7 +29,7 @@ def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None
         extent = contact_extent(state, series.period)
         extent = intervals_between(extent, series.period) if of_gap else extent
     crest, centre, r = nearest_crests(series, extent[0])[0], extent[1], extent[2]
-    cells = np.ceil(MIN_CELLS + CELLS_PER_RADIAN * series.wavenumber[-1] * r).astype(np.int64)
+    cells = np.ceil(CELLS * (4 + series.wavenumber[-1] * r)).astype(np.int64)
     piece = np.repeat(np.arange(r.size), cells + 1)
     step = np.pi / cells[piece]
     theta = step * (np.arange(piece.size) - np.searchsorted(piece, piece))
@@ -49,9 +48,7 @@ def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None
     rise = np.sign(np.diff(value))
     turn = 1 + np.flatnonzero((piece[2:] == piece[:-2]) & (rise[:-1] != 0) & (rise[:-1] != rise[1:]))
     bracket, upward = (theta[turn - 1], theta[turn], theta[turn + 1]), rise[turn - 1]
-    theta[turn] = elementwise.find_minimum(
-        lambda x, j, sign: -sign * at(j, x), bracket, args=(turn, upward), maxiter=MAX_STEPS
-    ).x
+    theta[turn] = elementwise.find_minimum(lambda x, j, sign: -sign * at(j, x), bracket, args=(turn, upward)).x
     value[turn] = at(turn, theta[turn])
     limits = np.linspace(0.0, value.max(initial=0.0), BINS + 1) if limits is None else limits
     left = np.flatnonzero(piece[1:] == piece[:-1])
@@ -60,9 +57,7 @@ def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None
     crossed = [left[(value[left] > limit) != (value[left + 1] > limit)] for limit in limits]
     cell, index = np.concatenate(crossed), np.repeat(np.arange(limits.size), [cells.size for cells in crossed])
     ends, low = (theta[cell], theta[cell + 1]), cell + (value[cell] > limits[index])
-    root = elementwise.find_root(
-        lambda x, j, limit: at(j, x) - limit, ends, args=(cell, limits[index]), maxiter=MAX_STEPS
-    ).x
+    root = elementwise.find_root(lambda x, j, limit: at(j, x) - limit, ends, args=(cell, limits[index])).x
     root = np.where(np.isnan(root), theta[low], root)  # values at edges are 0 but for rounding, which hides the root
     part = width(cell, root, theta[2 * cell + 1 - low])
     return limits, (whole + np.bincount(index, part, limits.size)) / series.period

@@ -136,16 +136,6 @@ class ContactProblem(NamedTuple):
         return self.kind.largest_forcing(self.series.maximum, self.load)
 
 
-class Iterate(NamedTuple):
-    """Contacts with centres in [0, L), and initial forces of a step.
-
-    force : forces at the nodes
-    """
-
-    punches: Punches
-    force: Array
-
-
 class NewtonStep(NamedTuple):
     """Solution on the contacts of a guess, and changes of the set of contacts.
 
@@ -174,23 +164,22 @@ class NewtonStep(NamedTuple):
     settled: bool
 
 
-def make_guess(problem: ContactProblem, segments: Segments, tolerance: float) -> Iterate:
-    """Return a guess on segments, with nodes for a relative tolerance, and with zero forces.
+def make_guess(problem: ContactProblem, segments: Segments, tolerance: float) -> Punches:
+    """Return a guess on segments, with nodes for a relative tolerance, and without forces to start from.
 
     Estimates of the forces hardly save a step of the conjugate gradients.
     """
     count = estimate_node_count(segments.extent, problem.series, tolerance)
     segments = make_segments(segments.crest, *segments.extent, count)
-    punches = make_punches(segments, problem.series.period, problem.kind)
-    return Iterate(punches, np.zeros(punches.offset.size))
+    return make_punches(segments, problem.series.period, problem.kind)
 
 
-def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> NewtonStep:
+def take_step(problem: ContactProblem, punches: Punches, residual: float) -> NewtonStep:
     """Solve for the pressure on given contacts to a residual, in g_0, and compute the moves of their edges."""
-    punches, segments, period = guess.punches, guess.punches.segments, problem.series.period
+    segments, period = punches.segments, problem.series.period
     nodes = segments.crest, segments.centre, segments.first_node, punches.offset
     forcing = evaluate_on(problem.series.local, *nodes, problem.highest)
-    forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
+    forces = solve_forces_on_contacts(punches, forcing, problem.load, residual)
     known = segments.first_node, segments.half_width, punches.gap, punches.left, forces.force
     b, a, moves, changes, *sizes = _moves(*known, period, numbers_of(problem.kind, period))
     return NewtonStep(punches, forces, b, a, moves, *changes, *sizes)
@@ -228,7 +217,7 @@ def _changes(first_node: Indices, gap: Array, force: Array, moves: Table, closed
     return changes, is_changed
 
 
-def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node_count: Indices) -> Iterate:
+def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node_count: Indices) -> Punches:
     """Return the guess after a step, with new node counts: edges moved, contacts removed and merged."""
     old, series, (shift, growth) = step.punches.segments, problem.series, step.moves[4:]
     moved, b = make_segments(old.crest, old.origin, old.centre + shift, old.half_width + growth, node_count), step.b
@@ -239,7 +228,7 @@ def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node
         merged = np.array(merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
         return rearrange(problem, step._replace(b=b), moved, remaining, merged, tolerance, node_count)
     punches = make_punches(moved, series.period, problem.kind)
-    return Iterate(punches, _start_forces(old, b, np.arange(shift.size), punches))
+    return start_from(old, b, np.arange(shift.size), punches)
 
 
 def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
@@ -272,11 +261,9 @@ def _carry(
     return b, a, left
 
 
-def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) -> Array:
-    """Return the initial forces; none for a direct solution."""
-    if punches.matrix is None:
-        return np.empty(0)
-    return transfer_forces(old, b, origin, punches)
+def start_from(old: Segments, b: Array, origin: Indices, punches: Punches) -> Punches:
+    """Return a problem that starts from expansions on old segments; a direct solution starts from nothing."""
+    return punches if punches.matrix is None else punches._replace(start=transfer_forces(old, b, origin, punches))
 
 
 def merged_intervals(problem: ContactProblem, segments: Segments, merging: Flags) -> list[tuple[float, float]]:
@@ -302,7 +289,7 @@ def rearrange(
     added: NDArray[np.float64],
     tolerance: float,
     node_count: Indices,
-) -> Iterate:
+) -> Punches:
     """Return a guess from the remaining segments, with the expansions of the step, and added intervals (added, 2).
 
     The remaining segments have the node counts given.
@@ -321,4 +308,4 @@ def rearrange(
     count = estimate_node_count(extent, series, tolerance)
     count = np.where(origin_of >= 0, node_count[origin_of], count)
     punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.kind)
-    return Iterate(punches, _start_forces(step.punches.segments, step.b, origin_of, punches))
+    return start_from(step.punches.segments, step.b, origin_of, punches)

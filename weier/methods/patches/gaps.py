@@ -45,6 +45,7 @@ class Gaps:
     residual_strength = 0.5 / np.pi
     new_outside = float(np.sqrt(2.0))
     new_within = NEW_CONTACT_WIDTH
+    limits_within = 0.0, 0.0  # overlap is never allowed, and gaps contain no thin gaps
 
     def series(self, surface: Surface) -> CosineSeries:
         """Return the tensions of full contact."""
@@ -97,10 +98,6 @@ class Gaps:
     def limit_outside(self, load: float, height: float, tension: float) -> float:
         """Return the pressure that a tension must exceed, in p_0*."""
         return tension * load
-
-    def limits_within(self) -> tuple[float, float]:
-        """Return 0: overlap is never allowed, and gaps contain no thin gaps."""
-        return 0.0, 0.0
 
     def deserve_segments(self, minima: Records, room: Array, finest: float, opening: float) -> Flags:
         """Return whether each gap opens enough and is not thin relative to its distances and the finest wave."""

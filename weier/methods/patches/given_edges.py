@@ -31,9 +31,9 @@ from weier.methods.punches import Inverse, solve_forces
 from weier.theory.halfplane import replace_by_influence
 
 # largest number of unknowns of a direct solution: with 400 it takes 0.5 (contacts) and 1.0 (gaps) times as long as
-# conjugate gradients with fast sums, with 640 1.2 and 2.4 times (`python -m benchmarks direct_solution`)
+# conjugate gradients with fast sums, with 640 1.2 and 2.4 times (`python -m benchmarks direct_solution`); also
+# of their steps, 10 to 30 of which are usual; without rounding they end after as many as there are unknowns
 MAX_DIRECT = 400
-MAX_STEPS = 300  # steps of conjugate gradients; 10 to 30 are usual
 
 
 class Punches(NamedTuple):
@@ -46,6 +46,7 @@ class Punches(NamedTuple):
     kind : `CONTACTS` or `GAPS`
     tables, matrix : tables of self-influences and of their inverses, and the kernel between all nodes, for conjugate
         gradients; None for a direct solution
+    start : forces at the nodes from which conjugate gradients start; 0 if empty
     """
 
     segments: Segments
@@ -55,6 +56,7 @@ class Punches(NamedTuple):
     kind: Kind
     tables: tuple[Array, Array] | None = None
     matrix: PairMatrix | None = None
+    start: Array = np.empty(0)
 
     @property
     def offset(self) -> Array:
@@ -182,7 +184,7 @@ def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) ->
 
 
 def solve_forces_on_contacts(
-    punches: Punches, forcing: Array, load: float, start: Array, residual: float, reduction: float = 0.0
+    punches: Punches, forcing: Array, load: float, residual: float, reduction: float = 0.0
 ) -> Forces:
     """Solve z - A f = d and sum f = p L for f and d; for gaps, C f = forcing.
 
@@ -190,7 +192,7 @@ def solve_forces_on_contacts(
     end at a residual, as a height, in g_0, or at `reduction` times the initial one.
     """
     if punches.matrix is not None:
-        return _solve_iteratively(punches, forcing, load, start, residual, reduction)
+        return _solve_iteratively(punches, forcing, load, residual, reduction)
     segments, kind, period = punches.segments, punches.kind, punches.period
     table, numbers = self_influence_tables(segments.first_node, kind, False), numbers_of(kind, period)
     matrix, right = _equations(segments.arrays, punches.nodes, table, forcing, period, numbers)
@@ -205,26 +207,25 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
     """Return the derivative of a solution with respect to the mean pressure, on fixed edges."""
     if forces.tangent is not None:
         return Forces(*forces.tangent)
-    none = np.zeros(punches.offset.size)
-    return _solve_iteratively(punches, none + punches.kind.increment, 1.0, none, 0.0, reduction)
+    forcing = np.full(punches.offset.size, punches.kind.increment)
+    return _solve_iteratively(punches._replace(start=np.empty(0)), forcing, 1.0, 0.0, reduction)
 
 
-def _solve_iteratively(
-    punches: Punches, forcing: Array, load: float, start: Array, least: float, reduction: float
-) -> Forces:
+def _solve_iteratively(punches: Punches, forcing: Array, load: float, least: float, reduction: float) -> Forces:
     """Solve by conjugate gradients with fast sums, scaled by the load, since products would underflow."""
     kind, segments, unit = punches.kind, punches.segments, load * punches.period
-    forcing, force, least = forcing / unit, start / unit, least / unit
+    forcing, least, none = forcing / unit, least / unit, np.zeros(forcing.size)
+    force = punches.start / unit if punches.start.size > 0 else none
     inverse = kind.invert_punches(segments.half_width, segments.middle, punches.period)
     radius = punches.at_nodes(segments.half_width)
-    even, per_force = np.zeros(start.size), 0.0  # M^-1 1, and the displacement by a multiple of it with the sum 1
+    even, per_force = none, 0.0  # M^-1 1, and the displacement by a multiple of it with the sum 1
     if inverse is not None:
-        even = _precondition(punches, inverse, np.ones(start.size))
+        even = _precondition(punches, inverse, np.ones(forcing.size))
         per_force = 1 / float(even.sum())
         force = force + even * ((1 - force.sum()) * per_force)
     residual = forcing - displacement(punches, force)
-    plane, energy, direction, enough, size = 0.0, 1.0, np.zeros(start.size), -1.0, np.inf
-    for step in range(MAX_STEPS + 1):
+    plane, energy, direction, enough, size = 0.0, 1.0, none, -1.0, np.inf
+    for step in range(MAX_DIRECT + 1):
         change = _precondition(punches, inverse, residual)
         shift = float(change.sum()) * per_force
         change -= shift * even
@@ -232,7 +233,7 @@ def _solve_iteratively(
         plane += shift
         size = float(np.abs(kind.as_height(residual, radius)).max())
         enough = max(least, reduction * size) if enough < 0 else enough
-        if size <= enough or step == MAX_STEPS:
+        if size <= enough or step == MAX_DIRECT:
             break
         last_energy, energy = energy, float(residual @ change)
         direction = change + (energy / last_energy if step > 0 else 0.0) * direction

@@ -16,10 +16,8 @@ from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_exp
 from weier.methods.patches.kind import EPS
 from weier.methods.patches.pair_sums import potential
 from weier.methods.patches.segments import ContactState, SegmentArrays
-from weier.methods.patches.surface import CosineSeries, Local, evaluate_series, first_from, nearest_crests
+from weier.methods.patches.surface import CosineSeries, Local, evaluate_series, first_from
 from weier.theory.halfplane import take_logarithms
-
-LN_ROUNDING = -float(np.log(0.5 * EPS))  # 36.7
 
 
 @kernel
@@ -36,7 +34,7 @@ def far_field_from(count: int) -> float:
     Its error is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no pole, and whose
     longer half-axis is cosh(ln(rho)).
     """
-    return np.cosh(0.5 * LN_ROUNDING / (count + 1))
+    return np.cosh(-0.5 * np.log(0.5 * EPS) / (count + 1))
 
 
 @kernel
@@ -241,11 +239,6 @@ def _complete_residuals(
                 total[i] += _near_field(a, apart, force[first:last], r, t, far, period, 2 if is_slope else 0)
     for i in range(offset.size):
         total[i] = highest - evaluate_series(local, crest[i], offset[i])[0] + factor * total[i]
-
-
-def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, is_gap: bool) -> Array:
-    """Return the pressure at positions x, in p_0*, or the gap there, in g_0."""
-    return values_at(state, series, *nearest_crests(series, x), is_gap)
 
 
 def values_at(state: ContactState, series: CosineSeries, crest: Indices, y: Array, is_gap: bool) -> Array:

@@ -8,7 +8,7 @@ strengths and the number of nodes. A `ContactState` contains the segments at one
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,24 +117,6 @@ class Cracks(NamedTuple):
     rise: Array = np.empty(0)
 
 
-# Initial guess of a load: Hertzian contacts on crests, the last gaps on crests of the tension, or a grid.
-Start = Literal["crests", "tensions", "grid"]
-
-
-class Route(NamedTuple):
-    """Route by which a state was found.
-
-    steps : number of solutions on given edges
-    corrections : number of corrections of the set of segments
-    attempts : 1, or 2 if the first one failed
-    """
-
-    start: Start
-    steps: int = 0
-    corrections: int = 0
-    attempts: int = 1
-
-
 class ContactState(NamedTuple):
     """The state under one load, or a guess at it: contacts with their pressure, or gaps with their slope.
 
@@ -157,7 +139,8 @@ class ContactState(NamedTuple):
     tensions : remaining intervals of tension on contacts, where a gap is missing or too narrow to be resolved: the
         index of the contact, middle and half-width in its coordinate t, shape (intervals, 3)
     narrow_gaps : minima of the gap below its uncertainty, where a contact may be born
-    route : how it was found
+    steps, corrections : number of solutions on given edges, and of corrections of the set of segments, before it
+    attempts : 1, or 2 if the first one failed
 
     The fields from `resistance` to `narrow_gaps` are NaN or empty until they are computed.
     """
@@ -177,7 +160,9 @@ class ContactState(NamedTuple):
     cracks: Cracks = Cracks()
     tensions: NDArray[np.float64] = np.empty((0, 3))
     narrow_gaps: Records = np.empty(0, MINIMUM)
-    route: Route = Route("grid")
+    steps: int = 0
+    corrections: int = 0
+    attempts: int = 1
 
     def indentation(self, top: float) -> float:
         """Return the distance of the plane below a height `top`, from which the approach of contacts is counted."""

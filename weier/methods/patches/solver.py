@@ -28,7 +28,7 @@ from weier.methods.patches.given_edges import (
     transfer_forces,
 )
 from weier.methods.patches.pair_sums import MAX_DIRECT, potential
-from weier.methods.patches.pressure_and_gap import pressures_or_gaps
+from weier.methods.patches.pressure_and_gap import values_at
 from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces, make_segments
 from weier.methods.patches.stages import MAX_OVER_TARGET, MAX_TOLERANCE, MIN_TOLERANCE, TARGET, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts
@@ -37,6 +37,7 @@ from weier.methods.patches.surface import (
     Extent,
     Surface,
     evaluate_near,
+    nearest_crests,
 )
 from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.loads import checked_loads
@@ -82,7 +83,8 @@ class Solution(NamedTuple):
         return self._on_points(self.state, x, True)
 
     def _on_points(self, state: ContactState, x: ArrayLike, is_gap: bool) -> Array:
-        value = pressures_or_gaps(state, state.kind.series(self.surface), np.ravel(np.asarray(x, float)), is_gap)
+        series = state.kind.series(self.surface)
+        value = values_at(state, series, *nearest_crests(series, np.ravel(np.asarray(x, float))), is_gap)
         return np.maximum(value, 0.0).reshape(np.shape(x))
 
     def displacement(self, x: ArrayLike) -> Array:
@@ -150,7 +152,7 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
             point = _curve_point(starts.surface, state, contacts[2])
             extents.append(contacts)
             points.append(point | {"work": steps})
-            again += state is not None and state.route.attempts > 1
+            again += state is not None and state.attempts > 1
             count_load()
     return solved()
 
@@ -218,7 +220,7 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
             if (known := state.error + _rounding(starts.surface)) <= starts.tolerance:
                 return state, steps
             best = min(best, known)
-        guess = guess._replace(route=guess.route._replace(attempts=2))
+        guess = guess._replace(attempts=2)
     if best < np.inf:
         cause = " because of rounding" if second > first else ""
         failure = ConvergenceError(
@@ -264,7 +266,7 @@ def run_kernels() -> None:
     first, middle, half_width, b = np.zeros(1, np.int64), np.zeros(1), np.full(1, 0.1), np.ones(8)
     segments = make_segments(first, middle, middle, half_width, np.full(1, b.size))
     punches = make_punches(segments, 1.0, CONTACTS, most=0)
-    solve_forces_on_contacts(punches, b, 1.0, b, 0.0, 1.0)
+    solve_forces_on_contacts(punches, b, 1.0, 0.0, 1.0)
     moved_expansion(segments.first_node, half_width, b, b, half_width, half_width)
     transfer_forces(segments, b, first, punches)
     densities_on_contacts(segments.first_node, b, first, np.zeros((1, 1)), False)

@@ -20,20 +20,20 @@ from weier.methods.patches.certificate import certify, contact_residual, gap_unc
 from weier.methods.patches.edge_iteration import (
     SETTLED_MOVE,
     ContactProblem,
-    Iterate,
     NewtonStep,
     carried_along,
     make_guess,
     merged_intervals,
     next_guess,
     rearrange,
+    start_from,
     take_step,
 )
 from weier.methods.patches.given_edges import (
     MAX_DIRECT,
     Forces,
+    Punches,
     solve_tangent,
-    transfer_forces,
     vanishing_at_edges,
 )
 from weier.methods.patches.inequalities import (
@@ -57,17 +57,17 @@ MAX_STEPS = 60  # Newton steps per load; 2.6 on average, at most 9 for 4 000 har
 # Steps after which moves that reach no new least value are rounding, as those of a light contact among the finest of
 # 10^4 waves are; the stated errors contain them.
 MAX_STALLED = 4
-MIN_TOLERANCE = 10 * FIELD_ROUNDING  # smallest relative tolerance of the residual
 # largest relative tolerance of the residual: 1e-4 saves no more time, and a loose one may insert a gap whose edges it
-# cannot determine, which then vanishes again
+# cannot determine, which then vanishes again; also that for the nodes of the first step, which leaves edges off by
+# thousandths on any nodes
 MAX_TOLERANCE = 1e-5
 # For the nodes of contacts that are followed, which have no stage 3: the least pressure of merged contacts needs more
 # nodes than the compliance. With 1e-10, loads of events of traces were up to 1e-7 off, with 1e-16 up to 2e-10.
 FOLLOWED_TOLERANCE = 1e-18
-FIRST_TOLERANCE = 1e-5  # for the nodes of the first step, which leaves edges off by thousandths on any nodes
 # Largest allowed ratio of the stage-3 residual to the target of the iteration. It is also the ratio of the target to
 # the residual of the equations, and a second attempt (`solve_state`) divides its tolerance by it.
 MAX_OVER_TARGET = 10.0
+MIN_TOLERANCE = MAX_OVER_TARGET * FIELD_ROUNDING  # smallest relative tolerance of the residual
 TARGET = MAX_OVER_TARGET**-2  # ratio of the iteration's target to the tolerance, which limits the sum of all parts
 
 
@@ -106,13 +106,13 @@ def solve_in_stages(
     most `MAX_NODES` nodes.
     """
     problem = ContactProblem(guess.kind.series(surface), guess.load, guess.kind)
-    kind, series, (_, steps, corrections, _) = problem.kind, problem.series, guess.route
+    kind, series, steps, corrections = problem.kind, problem.series, guess.steps, guess.corrections
     # The set of many segments is found at the loosest tolerance, which costs fewer steps of conjugate gradients. A
     # second attempt takes no part of the route of the first.
-    is_large = guess.segments.half_width.size > MAX_DIRECT and guess.route.attempts == 1
+    is_large = guess.segments.half_width.size > MAX_DIRECT and guess.attempts == 1
     first = max(tolerance, MAX_TOLERANCE) if is_large else tolerance
     limits = load_limits(problem, guess.segments.half_width, first)
-    step = take_step(problem, make_guess(problem, guess.segments, FIRST_TOLERANCE), limits.residual)
+    step = take_step(problem, make_guess(problem, guess.segments, MAX_TOLERANCE), limits.residual)
     steps, enough = steps + 1, estimate_node_count(guess.segments.extent, series, first)
     now = next_guess(problem, step, first, np.maximum(step.punches.segments.node_count, enough))
     coarser = np.inf  # height of the residual before nodes were added
@@ -128,10 +128,10 @@ def solve_in_stages(
         if len(added) > 0 or not remaining.all():
             corrections, coarser = corrections + 1, np.inf
             now = rearrange(problem, step, state.segments, remaining, added, limits.tolerance, count)
-            other = with_fewer_nodes(surface, state._replace(segments=now.punches.segments))
+            other = with_fewer_nodes(surface, state._replace(segments=now.segments))
             if other.kind is not state.kind:
-                route = guess.route._replace(steps=steps, corrections=corrections)
-                return solve_in_stages(surface, other._replace(route=route), tolerance, accepted)
+                other = other._replace(steps=steps, corrections=corrections, attempts=guess.attempts)
+                return solve_in_stages(surface, other, tolerance, accepted)
             continue
         if limits.tolerance > tolerance:
             limits = load_limits(problem, state.segments.half_width, tolerance)
@@ -149,8 +149,8 @@ def solve_in_stages(
         tangent = solve_tangent(solved.punches, solved.forces, max(np.sqrt(EPS), tolerance))
         overlaps, tensions = kind.overlaps_and_tensions(minima, negative)
         resistance, strength = _resistance(solved, step, tangent)
-        route, moves = guess.route._replace(steps=steps, corrections=corrections), step.moves[:2].T
-        state = state._replace(resistance=resistance, tangent_strength=strength, edge_move=moves, route=route)
+        state = state._replace(steps=steps, corrections=corrections, attempts=guess.attempts)
+        state = state._replace(resistance=resistance, tangent_strength=strength, edge_move=step.moves[:2].T)
         state, tensions = with_cracks(state, series, step.punches, tangent, tensions, residual)
         violations = residual, width, roughness, overlaps, tensions
         checks = surface.total_amplitude, accepted or tolerance, limits.margin
@@ -158,7 +158,7 @@ def solve_in_stages(
 
 
 def converge(
-    problem: ContactProblem, now: Iterate, limits: Limits, most: int, is_fixed: bool = False
+    problem: ContactProblem, now: Punches, limits: Limits, most: int, is_fixed: bool = False
 ) -> tuple[NewtonStep, NewtonStep, int]:
     """Move the edges until they have converged; return the last solution, the step after it, and the steps.
 
@@ -190,9 +190,9 @@ def follow_contacts(surface: Surface, start: ContactState, load: float) -> Conta
     old, problem = start.segments, ContactProblem(start.kind.series(surface), load, start.kind)
     limits = load_limits(problem, old.half_width, MIN_TOLERANCE)
     guess = make_guess(problem, old, FOLLOWED_TOLERANCE)
-    if guess.punches.matrix is not None:  # psi = (1-t^2) phi from phi, whose last two coefficients are 0
-        b = 0.5 * (start.coefficient - np.append([0.0, 0.0], start.coefficient[:-2]))
-        guess = guess._replace(force=transfer_forces(old, b, np.arange(old.centre.size), guess.punches))
+    # psi = (1-t^2) phi from phi, whose last two coefficients are 0
+    b = 0.5 * (start.coefficient - np.append([0.0, 0.0], start.coefficient[:-2]))
+    guess = start_from(old, b, np.arange(old.centre.size), guess)
     _, step, _ = converge(problem, guess, limits, MAX_STEPS, is_fixed=True)
     return contact_state(problem, step)
 
@@ -261,7 +261,7 @@ def to_be_cut(state: ContactState, negative: Records, opening: float) -> Records
     if negative.size == 0:
         return negative
     unresolved = coefficient_tails(state.segments, state.coefficient)
-    least, thinness = state.kind.limits_within()
+    least, thinness = state.kind.limits_within
     wrong = negative[negative["relative"] < -np.maximum(unresolved, least)[negative["segment"]]]
     return wrong[(wrong["height"] > opening) & ~are_thin(wrong, thinness)]
 
@@ -282,7 +282,7 @@ def segment_corrections(
     missing, minima = find_missing(problem, step, outside, limits.margin, limits.opening)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
-    _, thinness = state.kind.limits_within()
+    _, thinness = state.kind.limits_within
     merging, any_merge = _thin_gaps(step.punches.gap, state.segments.half_width, thinness)
     if not any_merge and negative.size == 0:
         return missing, remaining, minima

@@ -23,7 +23,6 @@ from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.kind import Kind
 from weier.methods.patches.segments import (
     ContactState,
-    Route,
     Segments,
     estimate_node_count,
 )
@@ -203,8 +202,7 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
                 crest, origin, y = from_crests(series, places[0])
     if not _are_apart(origin, y, half_width, period):
         return None
-    route = Route("tensions" if kind.is_slope else "crests")
-    return ContactState(kind, load, 0.0, Segments(crest, origin, y, half_width), route=route)
+    return ContactState(kind, load, 0.0, Segments(crest, origin, y, half_width))
 
 
 @kernel
