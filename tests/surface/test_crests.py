@@ -162,17 +162,38 @@ def test_both_of_two_crests_between_two_samples_are_found():
         assert np.abs(off - np.rint(off)).min(axis=1).max() < 1e-7
 
 
-def test_all_crests_of_a_rough_trace():
+@pytest.mark.parametrize("distance", [1e-6, 1e-4, 2e-3, 0.05])
+def test_a_crest_with_a_trough_beside_it_is_found(distance):
+    """Four waves with slopes of 0 at two places on a rise, at a distance in finest waves; one of both is a crest."""
+    random, waves, found = np.random.default_rng(1), np.array([1, 2, 3, 5]), 0
+    for _ in range(100):
+        middle, phase = random.uniform(), random.uniform(0, 2 * np.pi, 4)
+        places = 2 * np.pi * waves * (middle + distance / 10 * np.array([[-1], [1]])) + phase
+        third = waves**3 * np.sin(2 * np.pi * waves * middle + phase)
+        amplitude = np.linalg.solve(
+            [*(waves * np.sin(places)), third, [1, 0, 0, 0]], [0, 0, 1, random.uniform(-1, 1)]
+        )
+        crests = find_crests(amplitude, waves.tolist(), expand(amplitude, waves.tolist(), phase))
+        (downward,) = np.nonzero(np.cos(places) @ (amplitude * waves**2) > 0)
+        off = (crests.node + crests.offset) / count_nodes(5) - middle - distance / 10 * (2 * downward[:, None] - 1)
+        found += downward.size
+        assert np.abs(off - np.rint(off)).min(axis=1).max(initial=0) < 0.02 * distance
+    assert found > 90
+
+
+@pytest.mark.parametrize("decay", [-0.5, 0.5, 1.5])
+@pytest.mark.parametrize("terms", [10, 300])
+def test_all_crests_of_a_rough_trace(decay, terms):
     """As many as the sign of the slope changes at on a grid that is far finer, each between the same two points."""
-    random, waves = np.random.default_rng(4), np.arange(1, 301)
-    amplitude, phase = waves**-1.5, random.uniform(0, 2 * np.pi, waves.size)
-    expansion = expand(amplitude, waves.tolist(), phase)
-    crests = find_crests(amplitude, waves.tolist(), expansion)
-    points = 2**17
-    slope = -sample(amplitude * waves, waves.tolist(), phase - np.pi / 2, points)
-    changes = np.flatnonzero((slope > 0) & (np.roll(slope, -1) <= 0))
-    x = np.sort((crests.node + crests.offset) / len(expansion) % 1)
-    np.testing.assert_array_equal(np.floor(x * points), changes)
+    random, waves, points = np.random.default_rng(4), np.arange(1, terms + 1), 2**19
+    for _ in range(10):
+        amplitude, phase = waves**-decay, random.uniform(0, 2 * np.pi, terms)
+        expansion = expand(amplitude, waves.tolist(), phase)
+        crests = find_crests(amplitude, waves.tolist(), expansion)
+        slope = -sample(amplitude * waves, waves.tolist(), phase - np.pi / 2, points)
+        changes = np.flatnonzero((slope > 0) & (np.roll(slope, -1) <= 0))
+        x = np.sort((crests.node + crests.offset) / len(expansion) % 1)
+        np.testing.assert_array_equal(np.floor(x * points), changes)
 
 
 def test_heights_of_crests_hold_thirty_digits_at_positions_of_fifteen():

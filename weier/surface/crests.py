@@ -23,17 +23,13 @@ ORDER = 22  # gives the remainder 3e-16, see above
 DEGREE = np.arange(ORDER + 1.0)
 BINOMIAL = np.array([[math.comb(j, i) for j in range(ORDER + 1)] for i in range(ORDER + 1)], float)
 SAMPLES_PER_WAVE = 16  # samples per finest wave that resolve every crest
-# offsets of the samples from the nearest node, in steps
-SAMPLE_OFFSETS = np.arange(-0.5, 0.5, NODES_PER_WAVE / SAMPLES_PER_WAVE)
 MAX_SAMPLES = 2**17  # samples per period up to which all crests are located before a solution
-# Newton's method starts within 1/16 of the finest wave: 6 steps to rounding, 25 if the curvature vanishes as well
-MAX_NEWTON_STEPS = 40
-# subdivisions of the interval around a sampled maximum that may hold several crests; odd, for symmetry
-SUBDIVISIONS = 31
-MIN_SEPARATION = 1e-5  # distance of crests, in finest waves; closer crests are equal to rounding
+MAX_NEWTON_STEPS = 60  # more than bisection of a step to rounding takes
 # middles of nine parts of an interval of length 1, with its own middle first: equal heights leave a crest at a node
 PARTS = np.array(sorted(range(-4, 5), key=abs)) / 9
-MAX_CURVATURE = DEGREE * (DEGREE - 1) / 2 ** (DEGREE - 2)  # factors of |c_j| in a bound for |t| <= 1/2
+# factors of |c_j| in bounds of the second and the third derivative for |t| <= 1/2
+MAX_CURVATURE = DEGREE * (DEGREE - 1) / 2 ** (DEGREE - 2)
+MAX_THIRD = DEGREE * (DEGREE - 1) * (DEGREE - 2) / 2 ** (DEGREE - 3)
 MAX_SAMPLED_WAVES = 10**6  # finest waves whose samples take 128 MB
 
 Expansions = NDArray[np.float64]  # of which each row has the coefficients of t^0, t^1, ..., shape (rows, ORDER + 1)
@@ -115,77 +111,69 @@ class Crests(NamedTuple):
 def find_crests(amplitude: Array, waves_per_period: Sequence[int], expansion: Expansions) -> Crests:
     """Return all crests of a series that is expanded about all nodes, as by `expand`.
 
-    The steps of Newton's method are counted from a node: the slope at a crest is 0 to rounding, however fine the
-    waves.
+    Each is the fall of the slope through 0 between two of `_slope_signs`. On a flat crest the slope is rounding, and
+    the crest is in the middle. The steps of Newton's method are counted from a node: the slope at a crest is 0 to
+    rounding, however fine the waves.
     """
     nodes = len(expansion)
-    z = (expansion @ np.vander(SAMPLE_OFFSETS, ORDER + 1, increasing=True).T).ravel()
-    node, part = np.divmod(_sampled_tops(z), SAMPLE_OFFSETS.size)
-    angle = 2 * np.pi / nodes * np.array(waves_per_period, float)
-    width, slope_scale = 1 / SAMPLE_OFFSETS.size, float(np.abs(amplitude) @ angle)
-    row, offset = _crests_nearby(expansion[node], SAMPLE_OFFSETS[part], width, slope_scale, angle[-1])
+    rounding = 4 * np.finfo(float).eps * float(np.abs(amplitude) @ waves_per_period) * 2 * np.pi / nodes
+    node, t, rises = _slope_signs(expansion, rounding)
+    (before,) = np.nonzero(rises & ~np.roll(rises, -1))
+    after = (before + 1) % node.size
+    width = (node[after] - node[before]) % nodes + t[after] - t[before]
+    steps = np.rint(t[before] + width / 2)
+    node, low = (node[before] + steps.astype(np.int64)) % nodes, t[before] - steps
+    offset = _newton(expansion[node], low, low + width, rounding)
     steps = np.rint(offset)
-    node, offset = (node[row] + steps.astype(np.int64)) % nodes, offset - steps
+    node, offset = (node + steps.astype(np.int64)) % nodes, offset - steps
     about = move(expansion[node], offset)
     about[:, 1] = 0.0
     return Crests(node, offset, about)
 
 
-def _sampled_tops(z: Array) -> Indices:
-    """Return indices of the samples of a period that are higher than both neighbours."""
-    return np.flatnonzero((z >= np.roll(z, 1)) & (z > np.roll(z, -1)))
+def _slope_signs(expansion: Expansions, rounding: float) -> tuple[Indices, Array, NDArray[np.bool_]]:
+    """Return points in ascending order, node and distance, and whether the slope s is positive or negative there.
 
-
-def _crests_nearby(
-    expansion: Expansions, t: Array, width: float, slope_scale: float, finest: float
-) -> tuple[Indices, Array]:
-    """Return the crests within a width of each sampled maximum: row of the maximum and position of each crest.
-
-    t, width : in steps, shape (tops,)
-    slope_scale, finest : sum |a_n| kappa_n and the largest kappa_n, in radians a step
+    Between two neighbouring points s changes its sign once at most, or is rounding. On an interval t +- w, with
+    M >= |s''|, |s - s(t)| <= w |s'(t)| + w^2 M/2 = r, and s is monotonic if |s'(t)| > w M. A step about a node is
+    divided until |s(t)| > r, which gives a point, s is monotonic, which gives both ends, or s is rounding.
     """
-    row, t = _separated(expansion, t, width, finest)
-    rounding, unsettled = 4 * np.finfo(float).eps * slope_scale, np.arange(t.size)
+    row, t, w = np.arange(len(expansion)), np.zeros(len(expansion)), 0.5
+    largest, found = np.abs(expansion) @ MAX_THIRD, list[tuple[Indices, Array, Array]]()
+    while row.size > 0:
+        slope, curvature = derivatives(expansion[row], t)
+        bend = w * largest[row]
+        reach = w * (np.abs(curvature) + bend / 2)
+        one_sign = np.abs(slope) > reach + rounding
+        monotonic = ~one_sign & (np.abs(curvature) > bend)
+        found.append((row[one_sign], t[one_sign], slope[one_sign]))
+        for end in (t[monotonic] - w, t[monotonic] + w):
+            found.append((row[monotonic], end, derivatives(expansion[row[monotonic]], end)[0]))
+        divided = ~one_sign & ~monotonic & (np.abs(slope) + reach > 4 * rounding)
+        w /= 4
+        row, t = np.repeat(row[divided], 4), (t[divided, None] + w * np.array([-3, -1, 1, 3])).ravel()
+    row, t, slope = map(np.concatenate, zip(*found, strict=True))
+    known = np.abs(slope) > rounding
+    order = np.lexsort((t[known], row[known]))
+    return row[known][order], t[known][order], slope[known][order] > 0
+
+
+def _newton(expansion: Expansions, low: Array, high: Array, rounding: float) -> Array:
+    """Return zeros of falling slopes between two ends, by Newton's method with bisection."""
+    t, unsettled = 0.5 * (low + high), np.arange(low.size)
     for _ in range(MAX_NEWTON_STEPS):
-        slope, curvature = derivatives(expansion[row[unsettled]], t[unsettled])
+        slope, curvature = derivatives(expansion[unsettled], t[unsettled])
         off = np.abs(slope) > rounding
         if not off.any():
             break
-        # Not beyond the next sample, where a sampled top stands on a slope that is not concave.
-        step = np.clip(-slope / np.minimum(curvature, -1e-300), -width, width)
-        unsettled = unsettled[off]
-        t[unsettled] += step[off]
-    return row, t
-
-
-def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> tuple[Indices, Array]:
-    """Return starting points for Newton's method: a row and a position next to each crest near the sampled maxima.
-
-    If the series is not concave at a top and on both sides of it, or much more at some of these, crests may be closer
-    together than samples. Then the interval about the top is divided again and again, and each part in which the
-    slope falls through 0 holds a crest, until the series is concave in all of it or it is as small as
-    `MIN_SEPARATION`. Parts that hold a crest and a trough beside it are not divided. On a flat crest the slope
-    is rounding, and may fall through 0 in no part: then the crest is in the middle.
-    """
-    row, rows, near = np.arange(t.size), [np.empty(0, np.int64)], [t[:0]]
-    while t.size > 0:
-        curvature = derivatives(expansion[row], np.stack([t - width, t, t + width]))[1]
-        # If z'' = c^2 - x^2, with a part above 0 between two of these positions, it differs by a factor above 4.
-        concave = curvature.max(axis=0) < 0.25 * curvature.min(axis=0)
-        clear = concave | (width * finest < 2 * np.pi * MIN_SEPARATION)
-        rows.append(row[clear])
-        near.append(t[clear])
-        row, t = row[~clear], t[~clear]
-        ends = np.linspace(-width, width, SUBDIVISIONS + 1)
-        slope = derivatives(expansion[row], t + ends[:, None])[0]
-        falls = (slope[:-1] > 0) & (slope[1:] <= 0)
-        flat = ~falls.any(axis=0)
-        rows.append(row[flat])
-        near.append(t[flat])
-        part, of = np.nonzero(falls)
-        width /= SUBDIVISIONS
-        row, t = row[of], t[of] + width * (2 * part + 1 - SUBDIVISIONS)
-    return np.concatenate(rows), np.concatenate(near)
+        unsettled, slope, curvature = unsettled[off], slope[off], np.minimum(curvature[off], -1e-300)
+        at = t[unsettled]
+        low[unsettled] = np.where(slope > 0, at, low[unsettled])
+        high[unsettled] = np.where(slope > 0, high[unsettled], at)
+        step, middle = at - slope / curvature, 0.5 * (low + high)[unsettled]
+        inside = (step > low[unsettled]) & (step < high[unsettled])
+        t[unsettled] = np.where(inside, step, middle)
+    return t
 
 
 def highest_crest(
