@@ -37,7 +37,7 @@ def test_a_page_has_what_explains_it_its_tables_and_how_it_was_made(monkeypatch)
 def test_a_scene_that_is_not_there_ends_in_one_sentence():
     found = CliRunner().invoke(main, ["tradeoff", "--scene", "none.yaml"])
     assert found.exit_code == 1
-    assert found.output.startswith("Error: none.yaml cannot be read as a scene: there is no file")
+    assert found.output.startswith("Error: there is no file none.yaml")
     assert len(found.output.splitlines()) == 1
 
 

@@ -14,7 +14,8 @@ def test_roughness_is_taken_and_artefacts_are_recognised():
 
 
 @pytest.mark.parametrize(
-    ("limit", "factor", "side"), [("MIN_DISTINCT", 0.0, 0), ("JUMP_OUTLIER", 0.25, 0), ("JUMP_OUTLIER", 20.0, 1)]
+    ("limit", "factor", "side"),
+    [("SENTINEL_DEVIATIONS", 0.1, 0), ("MIN_DISTINCT", 1.2, 1), ("JUMP_OUTLIER", 0.25, 0), ("JUMP_OUTLIER", 20.0, 1)],
 )
 def test_limits_beyond_their_room_are_seen(limit, factor, side):
     usual, before = artefacts.wrong(1), getattr(checks, limit)

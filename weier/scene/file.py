@@ -37,9 +37,12 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
 
     from weier.scene.models import SceneKeys, mistakes_of
 
-    path = Path(path)
     try:
-        text = checked_file(path).read_text(encoding="utf-8")
+        path = checked_file(path)
+    except FileNotFoundError as error:
+        raise SceneError(one_line(error)) from None
+    try:
+        text = path.read_text(encoding="utf-8")
         document = read_yaml(text)
     except TimeoutError:  # the caller's time limit
         raise

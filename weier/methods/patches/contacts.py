@@ -51,7 +51,6 @@ class Contacts:
         the density
     new_outside, new_within : width of a new contact or gap over the interval of overlap or tension, between segments
         and on one; the width of a gap is exact for a parabola of tension
-    limits_within : largest allowed tension, relative, and largest thinness of a gap in it
     """
 
     is_slope = False
@@ -70,7 +69,6 @@ class Contacts:
     residual_strength = 4 * np.pi / 3
     new_outside = NEW_CONTACT_WIDTH
     new_within = float(np.sqrt(2.0))
-    limits_within = MAX_TENSION, MAX_THINNESS
 
     def series(self, surface: Surface) -> CosineSeries:
         """Return the heights."""
@@ -123,6 +121,11 @@ class Contacts:
     def limit_outside(self, load: float, height: float, tension: float) -> float:
         """Return the height that an overlap must exceed, in g_0."""
         return height
+
+    @property
+    def limits_within(self) -> tuple[float, float]:
+        """The largest allowed tension, relative, and the largest thinness of a gap in it."""
+        return MAX_TENSION, MAX_THINNESS
 
     def deserve_segments(self, minima: Records, room: Array, finest: float, opening: float) -> Flags:
         """Return True for each overlap."""

@@ -31,8 +31,7 @@ from weier.methods.punches import Inverse, solve_forces
 from weier.theory.halfplane import replace_by_influence
 
 # largest number of unknowns of a direct solution: with 400 it takes 0.5 (contacts) and 1.0 (gaps) times as long as
-# conjugate gradients with fast sums, with 640 1.2 and 2.4 times (`python -m benchmarks direct_solution`); also
-# of their steps, 10 to 30 of which are usual; without rounding they end after as many as there are unknowns
+# conjugate gradients with fast sums, with 640 1.2 and 2.4 times (`python -m benchmarks direct_solution`)
 MAX_DIRECT = 400
 
 
@@ -225,7 +224,7 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, least: flo
         force = force + even * ((1 - force.sum()) * per_force)
     residual = forcing - displacement(punches, force)
     plane, energy, direction, enough, size = 0.0, 1.0, none, -1.0, np.inf
-    for step in range(MAX_DIRECT + 1):
+    for step in range(force.size + 1):  # which end after as many steps as unknowns; 10 to 30 are usual
         change = _precondition(punches, inverse, residual)
         shift = float(change.sum()) * per_force
         change -= shift * even
@@ -233,7 +232,7 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, least: flo
         plane += shift
         size = float(np.abs(kind.as_height(residual, radius)).max())
         enough = max(least, reduction * size) if enough < 0 else enough
-        if size <= enough or step == MAX_DIRECT:
+        if size <= enough or step == force.size:
             break
         last_energy, energy = energy, float(residual @ change)
         direction = change + (energy / last_energy if step > 0 else 0.0) * direction
