@@ -12,6 +12,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its modules are imported on first use, a tenth of a second each
+from numpy.polynomial import Chebyshev
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.blas import one_thread
@@ -51,9 +53,8 @@ MAX_ROOT_LOADS = 8  # loads per root search, then the interval is divided; 3 are
 # divisions for each finished interval, three times those from a decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
 # samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
-# minimum is located: twice, and up to `ZOOMS` times where it lies next to the end. Parabolas follow, the last ones
-# through points `CLOSER` times as close, which makes them exact to 1e-12.
-SAMPLES, ZOOMS, CLOSER = 12, 4, 40
+# minimum is located, and then Chebyshev points beside the lowest of these
+SAMPLES = 12
 
 
 class Events(NamedTuple):
@@ -351,26 +352,14 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
 
     Its distance from the event's origin and its value, which may be negative.
     """
-    left, right = event.left, event.right
-    for zoom in range(ZOOMS):
-        y = np.linspace(left, right, SAMPLES + 2)
-        value = _values(state, series, event, y[1:-1])
-        lowest = 1 + int(np.argmin(value))
-        if zoom > 0 and 1 < lowest < SAMPLES:
-            break
-        left, right = y[lowest - 1], y[lowest + 1]
-    else:
-        return float(y[lowest]), float(value[lowest - 1])
-    at, spacing, around = float(y[lowest]), float(y[1] - y[0]), value[lowest - 2 : lowest + 1]
-    for parabola in range(3):
-        if parabola > 0:
-            around = _values(state, series, event, at + spacing * np.arange(-1.0, 2.0))
-        before, here, after = map(float, around)
-        slope, curvature = 0.5 * (after - before), max(after - 2 * here + before, EPS * abs(here))
-        step = -min(max(slope / curvature, -1.0), 1.0)
-        at += spacing * step
-        spacing = float(y[1] - y[0]) / CLOSER
-    return at, here + step * (slope + 0.5 * step * curvature)
+    y = np.linspace(event.left, event.right, SAMPLES + 2)
+    lowest = 1 + int(np.argmin(_values(state, series, event, y[1:-1])))
+    ends = y[lowest - 1], y[lowest + 1]
+    fit = Chebyshev.interpolate(lambda at: _values(state, series, event, at), SAMPLES - 1, ends)
+    at = np.append(np.clip(fit.deriv().roots().real, *ends), ends)
+    value = fit(at)
+    lowest = int(np.argmin(value))
+    return float(at[lowest]), float(value[lowest])
 
 
 def _values(state: ContactState, series: CosineSeries, event: _Event, y: Array) -> Array:
@@ -394,18 +383,14 @@ def _interpolate_contacts(followed: list[ContactState], load: float) -> ContactS
     Half-widths are squared, since their squares are smooth at births and mergers. The density is that of the nearest
     state.
     """
-    first, step = followed[0], load - followed[0].load
+    first = followed[0]
     inward = -1 if first.kind.is_slope else 1  # gaps shrink
     advance = inward * 2 * first.tangent_strength / np.maximum(np.abs(segment_strengths(first)), 1e-300)
     places = [np.stack([state.segments.centre, state.segments.half_width**2]) for state in followed]
     slope = np.stack([0.5 * (advance[:, 1] - advance[:, 0]), first.segments.half_width * advance.sum(axis=1)])
-    centre, square = places[0] + step * slope
-    loads = np.array([state.load for state in followed[1:]])
-    for i, (p, place) in enumerate(zip(loads, places[1:], strict=True)):
-        others = np.delete(loads, i)
-        weight = (step / (p - first.load)) ** 2 * np.prod((load - others) / (p - others))
-        rest = place - places[0] - (p - first.load) * slope
-        centre, square = centre + weight * rest[0], square + weight * rest[1]
+    loads = [first.load] + [state.load for state in followed]
+    conditions = np.stack([places[0], slope, *places[1:]])  # scipy takes a derivative at a repeated load
+    centre, square = scipy.interpolate.KroghInterpolator(loads, conditions)(load)
     nearest = min(followed[1:] or followed, key=lambda state: abs(state.load - load))
     # an extrapolated width may vanish
     half_width = np.sqrt(np.maximum(square, 0.25 * nearest.segments.half_width**2))
