@@ -16,9 +16,8 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 from weier.kernels.arrays import Array
 from weier.methods import archard
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.scales import ROUNDING, ComplianceTable, Model, Scale, coarser_units
+from weier.methods.layer.scales import ComplianceTable, Model, Scale, coarser_units
 from weier.methods.layer.scaling_tables import (
-    MAX_ROWS,
     Rows,
     accuracy_error,
     evaluate_midpoints,
@@ -32,8 +31,10 @@ from weier.methods.layer.wave import closure_sensitivity, midpoints
 TABLE_FRACTION = 0.5  # fraction of the accuracy for the table; the residuals of the waves have the rest
 MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's estimate
 MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
+MAX_ROWS = 3000  # its matrices take 70 MB each; the smallest accuracy needs 1200 rows, the default one 110
 MAX_STEPS = 400  # Newton steps; 7 to 30 are usual
-MAX_D = 1.99999  # the lowest tables change h by 1e-6 there, by 5e-3 at 1.999999 (docs/layer.md, "Error and limits")
+MAX_D = 1.999  # beyond, Newton's method is slow, and most meshes are refused (docs/layer.md, "Error and limits")
+MAX_SCALES = 5000  # beyond, the compliance depends on loads of finer waves below the first row of a table
 MAX_MESH_ERROR = 1e-2  # relative; resolved waves have 1e-6 on 24 points and 1e-3 on 4, others 0.1 and more
 MAX_STEP = 0.5  # largest change of ln W in a step
 MIN_PART = 1e-3  # smallest part of the way from TW to the new table that is tried if a wave does not converge
@@ -41,26 +42,26 @@ MIN_PART = 1e-3  # smallest part of the way from TW to the new table that is tri
 
 def infinite_waves(model: Model, bottom: float) -> ComplianceTable:
     """Return the waves of the infinite series of a D and gamma, on a table from this position on."""
-    if model.D > MAX_D:
+    # number of scales over which errors of ln W add up at heavy loads; residuals of waves are a tenth of theirs
+    gain = np.array([model.infinite_amplitude])
+    if model.D > MAX_D or gain > MAX_SCALES:
         raise ConvergenceError(
-            f"the layer model of the infinite series takes D up to {MAX_D:g}, got {model.D:.9g}: nearer to 2, loads "
-            "of finer waves determine the compliance that are too light for its tables",
+            f"the layer model of the infinite series takes D up to {MAX_D:g} and 1/(1 - gamma^(D-2)) up to "
+            f"{MAX_SCALES} scales, got D = {model.D:.9g} and {gain[0]:.2g} scales: take a finite m",
             math.inf,
         )
-    # number of scales over which errors of ln W and residuals of waves add up at heavy loads
-    gain = np.array([model.infinite_amplitude])
-    # This number is an estimate, so that residuals are half of what it leaves to the table.
-    needed = 0.5 * TABLE_FRACTION * model.accuracy / (1 + model.infinite_amplitude)
-    model = model._replace(tolerance=max(min(model.tolerance, needed), ROUNDING))
     limit = _limit(model, gain)
-    rows, errors = _guess(model, lattice(bottom, math.asinh(_top(model)))), gain
+    first = lattice(bottom, math.asinh(_top(model)))
+    rows, errors = _guess(model, first), gain
     while rows.position.size <= MAX_ROWS:
         rows, size = _newton(model, rows, math.sqrt(limit))
         over_scales = np.asarray(np.linalg.inv(np.eye(len(size)) - size))
         limit, left, right = _limit(model, over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
         between, errors = evaluate_midpoints(_scale(model, rows).rows, rows, left, right)
-        if _accumulated(errors, over_scales) <= TABLE_FRACTION * model.accuracy:
+        is_accurate = _accumulated(errors, over_scales) <= TABLE_FRACTION * model.accuracy
+        if is_accurate or rows.position.size == first.size:  # before refinement: on a poor mesh it would not end
             _check_mesh(model, rows, between, over_scales)
+        if is_accurate:
             return ComplianceTable(rows, model.infinite_amplitude, math.inf)
         rows = merge(rows, Rows(*(column[errors > limit] for column in between)))
     raise accuracy_error(float(np.max(errors)), rows, limit)

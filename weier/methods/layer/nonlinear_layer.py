@@ -30,7 +30,6 @@ ACCURACY = 1e-5
 POINTS_RANGE = Range(4, 500)  # 40 loads on 384 points take 3 s, growing as the cube
 ACCURACY_RANGE = Range(1e-9, 1e-2)  # an accuracy of 1e-2 adds few rows to the initial ones
 MAX_SCALES = 1000  # scales of a finite series that differs from the infinite one
-MANY_SCALES = 5000  # number above which all tables of the infinite series begin low (docs/layer.md, "Tables")
 TAIL_FRACTION = 0.1  # tail over accuracy up to which a series is treated as infinite
 INFINITE_TERMS = 11  # The tables of an infinite series take as long as the tables of this number of terms.
 
@@ -67,10 +66,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accu
     if profile.m == 1:
         return Curve(westergaard.compliance(loads), westergaard.resistance(loads), residual=np.zeros(loads.size))
     model = model_of(profile.D, float(profile.gamma), profile.m, points, accuracy)
-    # Tables for light loads begin lower, and those of many scales, where light loads of finer waves matter.
-    many = profile.m > MAX_SCALES + 1 and model.infinite_amplitude > MANY_SCALES
-    lightest = math.inf if many else MIN_LOADS[0]
-    light, others = np.split(loads, [np.searchsorted(loads, lightest)])
+    light, others = np.split(loads, [np.searchsorted(loads, MIN_LOADS[0])])  # tables for light loads begin lower
     parts = zip((others, light), BOTTOM_POSITIONS, strict=True)
     solved = [_solve(some, bottom, model) for some, bottom in parts if some.size]
     h, R, residual = (np.concatenate(columns) for columns in zip(*reversed(solved), strict=True))
