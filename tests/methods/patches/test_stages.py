@@ -20,7 +20,7 @@ from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import ContactState, make_segments, segment_strengths
 from weier.methods.patches.solver import solve_state
 from weier.methods.patches.stages import follow_contacts, solve_in_stages
-from weier.methods.patches.start import TOLERANCE, Starts, contacts_guess
+from weier.methods.patches.start import TOLERANCE, Starts, _make_guess, contacts_guess
 from weier.methods.patches.surface import nearest_crests, surface_of
 
 FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))
@@ -227,3 +227,26 @@ def test_edges_that_moved_after_the_last_solution_change_the_resistance(wave, du
     wrong, right = (stages._resistance(step, end, tangent)[0] for end in (step, carried_along(step, 0.0)))
     assert abs(wrong - wave.resistance) > 1e-5 * scale
     assert abs(right - wave.resistance) < 2e-3 * abs(wrong - wave.resistance)
+
+
+@pytest.mark.parametrize(
+    ("kind", "part", "name"),
+    [(CONTACTS, 0.02, "new_outside"), (CONTACTS, 0.02, "new_within"), (GAPS, 0.8, "new_within")],
+)
+def test_the_width_of_new_segments_changes_no_result(kind, part, name, monkeypatch):
+    """From a guess without the second segment, or with the first two as one, which are added or cut."""
+    profile = Profile(1.6, 2, 7, tuple(np.random.default_rng(3).uniform(0, 2 * np.pi, 7)))
+    starts, load = Starts(profile, TOLERANCE), part * profile.full_contact_load
+    exact, _ = solve_state(starts, load)
+    assert exact.kind is kind
+    assert exact.cracks.contact.size == 0
+    left, right = exact.segments.middle - exact.segments.half_width, exact.segments.right
+    left, right = np.delete(left, 1), np.delete(right, 1 if name == "new_outside" else 0)
+    intervals, value = np.stack([0.5 * (left + right), 0.5 * (right - left)]), getattr(kind, name)
+    for factor in (0.5, 1.0, 2.0):
+        monkeypatch.setattr(type(kind), name, factor * value)
+        guess = _make_guess(kind.series(starts.surface), load, kind, intervals)
+        state, _ = solve_in_stages(starts.surface, guess, TOLERANCE)
+        assert state.corrections > 0
+        assert state.approach == pytest.approx(exact.approach, abs=TOLERANCE)
+        assert state.resistance == pytest.approx(exact.resistance, rel=1e-9)

@@ -34,7 +34,7 @@ MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for
 # Between N samples a residual, of the degree n = K + 2 on K nodes, is at most 1/cos(pi n/2N) times as large
 # (docs/patches.md): twice, with N = 3 n/2 or more.
 SAMPLED_FACTOR = 2.0
-# relative error of R by its conjugate gradients: the square of their reduction, and rounding
+# relative error of R, an energy, by its conjugate gradients: half the square of their largest reduction, 1e-5
 TANGENT_ERROR = 5e-11
 # Estimates of first order count twice: the next move of an edge that has not settled; an edge of a narrow gap, which
 # neglects the motion of the opposite edge; a missing gap, which assumes parabolic tension, and the loss of one; and

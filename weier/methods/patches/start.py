@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,7 @@ MAX_RESOLVED_ANGLE = (
 )
 # contacts whose forces are found as line forces, by dense equations, in as many steps; 3 or 4 are usual
 MAX_ISOLATED = 32
-POINTS_PER_WAVE = 16, 32  # points per finest wave of the grids that are tried in turn
+POINTS_PER_WAVE = 16  # points per finest wave of the grid
 GRID_TOLERANCE = 1e-5  # largest residual of boundary elements for a guess, in g_0
 # default tolerance of the compliance, in g_0, for which the numbers of nodes are compared: for 1e-4, contacts were
 # chosen at loads at which gaps are up to three times as fast
@@ -71,10 +71,10 @@ class Starts:
         if tolerance not in TOLERANCES:
             raise ValueError(f"tolerance must lie in {TOLERANCES} for contact patches, got {tolerance}")
         self.profile, self.surface, self.tolerance = profile, surface_of(profile), tolerance
-        self._grid = cache(self._make_grid)
 
-    def _make_grid(self, per_wave: int) -> NestedSolver:
-        points = per_wave * self.profile.waves_per_period[-1]
+    @cached_property
+    def _grid(self) -> NestedSolver:
+        points = POINTS_PER_WAVE * self.profile.waves_per_period[-1]
         tolerance = min(GRID_TOLERANCE, GUESS_TOLERANCE * abs(float(self.profile.amplitude[-1])))
         # The finest waves of a smooth measured surface are rounding.
         return NestedSolver(self.profile, points, max(TOLERANCE, tolerance))
@@ -82,25 +82,19 @@ class Starts:
     def guess(self, load: float) -> ContactState:
         """Return the contacts, or the gaps, that are likely under this load.
 
-        ConvergenceError is raised if no grid shows a contact and a gap.
+        ConvergenceError is raised if the grid shows no contact or no gap.
         """
         heights, tensions = self.surface.heights, self.surface.tensions
         if isolated := isolated_contacts(heights, load) or isolated_gaps(tensions, load):
             return isolated
-        for per_wave in POINTS_PER_WAVE:
-            if (found := self._contacts_on_grid(load, per_wave)) is not None:
-                return contacts_guess(self.surface, load, found)
-        raise ConvergenceError(f"a grid shows no contacts to start from under the mean pressure {load:.6g} p_0*")
-
-    def _contacts_on_grid(self, load: float, per_wave: int) -> Intervals | None:
-        """Return the contacts of a grid; None if contact is full or no solution is found."""
-        solution = self._grid(per_wave).solve_discrete(load, True, GUESS_TOLERANCE)
-        if not np.isfinite(solution.resistance):
-            return None
-        edge = self.surface.heights.period / solution.contact.size * in_continuum(solution)[-1]
-        left, right = edge.reshape(-1, 2).T
-        found = 0.5 * np.stack([left + right, right - left])[:, right > left]
-        return found if found.size > 0 else None
+        solution, found = self._grid.solve_discrete(load, True, GUESS_TOLERANCE), np.empty((2, 0))
+        if np.isfinite(solution.resistance):
+            edge = self.surface.heights.period / solution.contact.size * in_continuum(solution)[-1]
+            left, right = edge.reshape(-1, 2).T
+            found = 0.5 * np.stack([left + right, right - left])[:, right > left]
+        if found.size == 0:
+            raise ConvergenceError(f"a grid shows no contacts to start from under the mean pressure {load:.6g} p_0*")
+        return contacts_guess(self.surface, load, found)
 
 
 def _make_guess(series: CosineSeries, load: float, kind: Kind, places: Intervals) -> ContactState:
