@@ -91,3 +91,6 @@ def test_the_pressure_of_a_curve_comes_back_within_its_error(surface):
         match=r"resistance must lie strictly .* and 0 ohm m\^2, from full contact under .* Pa on, got -1 ohm m\^2$",
     ):
         SCALED.find_pressure(surface, resistance=-1.0)
+    perfect = weier.Interface(**STEEL | {"rho_1": 0.0, "rho_2": 0.0}, lambda_0=1e-3, g_0=1e-6)
+    with pytest.raises(ValueError, match="two perfect conductors"):
+        perfect.find_pressure(surface, resistance=1e-10)

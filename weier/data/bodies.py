@@ -265,7 +265,8 @@ def _unit(name: str) -> str:
 
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
-    """Convert values of a quantity from SI to normalised units."""
+    """Convert values of a quantity from SI to normalised units; ValueError for a resistance that is always 0."""
     factor, si = bodies.scales().get(unit, (np.array(1.0), units.NONE))
-    with np.errstate(divide="ignore", invalid="ignore"):  # perfect conductors have no resistance
-        return np.asarray(checked_numbers(name, values, unit=si) / factor)
+    if factor == 0:
+        raise ValueError("resistance must be between bodies with a resistivity, got two perfect conductors")
+    return np.asarray(checked_numbers(name, values, unit=si) / factor)

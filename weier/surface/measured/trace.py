@@ -260,7 +260,6 @@ class Trace(Waves):
         FileNotFoundError
             If there is no such file.
         ValueError
-            If something in the table is not read, or its signs have two readings: the message has the line, and the
             If the file is no text, something in its table is not read, or its signs have two readings: the message
             has the line, and the argument that settles it. If a unit is unknown, or the heights are no roughness.
         """
