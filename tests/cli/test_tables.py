@@ -127,11 +127,16 @@ def test_heat_has_its_own_unit_in_tables_and_figures(run, lines, tmp_path):
         (["a.csv", "b.csv", *PRESSURES, "-o", "./b.csv", "--force"], "b.csv is one of FILES: name another output"),
         (["a.csv", "long.csv", *PRESSURES], "got 1e-05 to 2e-05 m, two steps of each file by default: give 2e-05 m"),
         (["a.csv", "bad.csv", *PRESSURES], "bad.csv: "),
+        (["a.csv", *PRESSURES, "--pressures", "1MPa", "-o", "c.png"], "a figure takes at least 2 loads, got 1"),
+        (["a.csv", *PRESSURES, "-o", "link.csv"], "a.csv is not a folder"),
+        (["a.csv", *PRESSURES, "-o", f"{'x' * 251}.csv"], "File name too long"),
+        (["a.csv", *PRESSURES, "-o", f"{'x' * 250}.csv"], "File name too long"),  # of the temporary file
     ],
 )
 def test_what_cannot_be_reported_is_refused_before_it_is_solved(run, lines, tmp_path, monkeypatch, options, why):
     (tmp_path / "long.csv").write_text("\n".join(["x (um),z (um)", *(f"{10 * n},{np.cos(n)}" for n in range(100))]))
     (tmp_path / "bad.csv").write_text("x (um),z (um)\n0,1\n1,a\n")
+    (tmp_path / "link.csv").symlink_to("a.csv/table.csv")
     monkeypatch.setattr("weier.cli.call.solve_under", None)
     code, _, err = run("report", *options)
     assert code in (1, 2)

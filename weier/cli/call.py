@@ -49,8 +49,6 @@ class Solved(NamedTuple):
         """Draw a quantity of some of the curves."""
         from weier.figures import draw  # matplotlib takes half a second, and only some commands need it
 
-        if curves.sizes["mean_pressure"] < 2:
-            raise click.UsageError("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
         figure = Figure(quantity, grouping=grouping, interface=self.bodies)
         draw(figure, [with_pressures_in(curves, self.unit)], path, [path.suffix[1:]])
 
@@ -73,8 +71,9 @@ def solve(
     methods: Sequence[str] = (),
     tolerance: float | None = None,
     settings: Iterable[tuple[str, str, Any]] = (),
+    drawn: bool = False,
 ) -> Solved:
-    """Solve surfaces by the options of a command."""
+    """Solve surfaces by the options of a command; `drawn` curves take several loads."""
     if pressures is not None and loads is not None:
         raise click.UsageError("loads are given once, got --pressures and --loads")
     if pressures is not None and bodies is None:
@@ -89,6 +88,8 @@ def solve(
         values, _ = listed_loads(given, "pressures", units.PASCAL)
         if not unit:
             click.echo(f"--pressures {pressures}: taken in Pa, since no unit is given", err=True)
+    if drawn and values.size < 2:
+        raise click.UsageError("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
     methods = methods or [default_method(*surfaces, within_tolerance=tolerance is not None)]
     options: dict[str, Any] = {} if tolerance is None else {TOLERANCE: tolerance}
     for method, name, value in settings:

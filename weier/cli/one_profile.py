@@ -76,7 +76,7 @@ def plot(path: Path, quantity: str, **given: Any) -> None:
 
     surface = call.take_profile(given)
     given["methods"] = given["methods"] or [name for name in PLOTTED if find_method(name).takes(surface)]
-    found = call.solve([surface], default_loads=PLOTTED_LOADS, **given)
+    found = call.solve([surface], default_loads=PLOTTED_LOADS, drawn=True, **given)
     if found.stopped is None:
         found.draw(found.curves, path, quantity)
         click.echo(f"the figure is in {path}", err=True)

@@ -129,7 +129,7 @@ def one_profile_options(default_loads: str) -> list[click.Parameter]:
         click.Option(
             ["--trace", "trace_file"],
             type=FILE,
-            help="Instead of a series: a text file with heights in one or two columns, or an instrument file.",
+            help="Instead of a series: a text file with heights in one or two columns.",
         ),
         click.Option(
             ["--loads"],

@@ -98,7 +98,7 @@ def report(files: Sequence[Path], outputs: Sequence[Path], **given: Any) -> None
             f"lines must have one shortest wavelength, got {shortest[0]:.4g} to {shortest[-1]:.4g} m, two steps of "
             f"each file by default: give {shortest[-1]:.4g} m or more by --shortest, in m or in the unit of positions"
         )
-    found = call.solve(lines, **given)
+    found = call.solve(lines, drawn=any(path.suffix not in (".csv", ".nc") for path in outputs), **given)
     done = found.curves["compliance"].notnull().all(("solution_method", "mean_pressure")).values
     if not done.any():
         raise found.stopped or ValueError("no line could be solved at all loads, for the reasons above")

@@ -7,6 +7,7 @@ import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 
 from weier.checks import readable
 
@@ -44,10 +45,11 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def check_target(path: str | Path) -> None:
-    """Refuse a path at which no file can be written: a folder, a device, or a path below a file."""
+    """Refuse a path, or the target of a link, where no file can be written: a folder, a device, or below a file."""
     path = Path(path)
+    target = Path(os.path.realpath(path))
     try:
-        folder = next(parent for parent in path.absolute().parents if parent.exists())
+        folder = next(parent for parent in target.parents if parent.exists())
         reasons = {
             "it is a folder": path.is_dir(),
             "it is a device": path.exists() and not path.is_file(),  # a file would replace it
@@ -55,6 +57,8 @@ def check_target(path: str | Path) -> None:
             "netCDF needs a path in UTF-8": path.suffix == ".nc" and readable(str(path)) != str(path),
             f"{folder} is closed to writing": not os.access(folder, os.W_OK),
         }
+        if not any(reasons.values()):  # a temporary file of about the same name shows what else prevents writing
+            NamedTemporaryFile(dir=folder, prefix=f".{target.name}.").close()
     except OSError as error:  # for example, the name is too long
         reasons = {str(error.strerror): True}
     for reason in (reason for reason, holds in reasons.items() if holds):
