@@ -33,6 +33,7 @@ from weier.theory.halfplane import punch_displacement, replace_by_influence
 # largest number of unknowns of a direct solution: with 400 it takes 0.5 (contacts) and 1.0 (gaps) times as long as
 # conjugate gradients with fast sums, with 640 1.2 and 2.4 times (`python -m benchmarks direct_solution`)
 MAX_DIRECT = 400
+MAX_STEPS = 300  # steps of conjugate gradients; 10 to 30 are usual
 
 
 class Punches(NamedTuple):
@@ -225,7 +226,7 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, least: flo
         force = force + even * ((1 - force.sum()) * per_force)
     residual = forcing - displacement(punches, force)
     plane, energy, direction, enough, size = 0.0, 1.0, none, -1.0, np.inf
-    for step in range(force.size + 1):  # which end after as many steps as unknowns; 10 to 30 are usual
+    for step in range(MAX_STEPS + 1):
         change = _precondition(punches, inverse, residual)
         shift = float(change.sum()) * per_force
         change -= shift * even
@@ -233,7 +234,7 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, least: flo
         plane += shift
         size = float(np.abs(kind.as_height(residual, radius)).max())
         enough = max(least, reduction * size) if enough < 0 else enough
-        if size <= enough or step == force.size:
+        if size <= enough or step == MAX_STEPS:
             break
         last_energy, energy = energy, float(residual @ change)
         direction = change + (energy / last_energy if step > 0 else 0.0) * direction
