@@ -10,6 +10,7 @@ import ast
 import hashlib
 import json
 import os
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -36,9 +37,6 @@ CURVES = (
     "pipeline/jobs.py",
     "pipeline/store.py",
 )
-# Excluded from the digest, since the final heights identify a trace.
-READERS = "surface/measured"
-KEPT = ("__init__.py", "trace.py")
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -60,7 +58,7 @@ def digest_of_modules(*parts: str) -> str:
 
     Syntax trees take 0.7 s, texts some milliseconds: the digest is remembered by that of the texts, in the cache.
     """
-    texts = {path: (PACKAGE / path).read_bytes() for path in _files(parts)}
+    texts = {path: (PACKAGE / path).read_bytes() for path in files_of(parts)}
     if not texts:  # without sources (a zip), two versions would have one digest
         raise OSError(f"there are no sources of weier in {PACKAGE}, which name what depends on them")
     known = digest([[path, hashlib.sha256(text).hexdigest()] for path, text in texts.items()])
@@ -98,16 +96,10 @@ def cache_root() -> Path:
         return Path(os.devnull)
 
 
-def is_in(module: str, parts: tuple[str, ...]) -> bool:
-    """Return whether a module, by its path in the package, belongs to some rooms and modules."""
-    if module.startswith(f"{READERS}/") and module.rpartition("/")[2] not in KEPT:
-        return False
-    return any(module == part or module.startswith(f"{part}/") for part in parts)
-
-
-def _files(parts: tuple[str, ...]) -> list[str]:
-    names = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*") if path.suffix in SOURCES)
-    return [name for name in names if is_in(name, parts)]
+def files_of(parts: Iterable[str]) -> list[str]:
+    """Return the paths, in the package, of all source files of some rooms and of single modules."""
+    found = (path for part in map(PACKAGE.joinpath, parts) for path in (part, *part.rglob("*")))
+    return sorted(path.relative_to(PACKAGE).as_posix() for path in found if path.suffix in SOURCES)
 
 
 @cache

@@ -9,7 +9,7 @@ from weier import scene
 from weier.digests import numerics
 from weier.figures import make as figures
 from weier.pipeline.needed_curves import Curves
-from weier.pipeline.products import ALL, DATA, job_of, stale, stamp_of
+from weier.pipeline.products import ALL, DATA, job_of, stamp_of
 from weier.pipeline.store import Store
 
 SCENE = """
@@ -36,8 +36,8 @@ def curves(scene_file):
 def make(scene_file, what=DATA):
     """The arguments of the job that makes the dataset, or all products."""
     store, own = scene_file.parent / "curves", scene.load(scene_file)
-    stamps = stale(own, what, partial(stamp_of, Curves(own, Store(store, numerics())), scene_file.parent))
-    return ["make", scene_file, store, scene_file.parent / ".made_of" / job_of(what, stamps)]
+    job, _ = job_of(own, what, partial(stamp_of, Curves(own, Store(store, numerics())), scene_file.parent))
+    return ["make", scene_file, store, scene_file.parent / ".made_of" / job]
 
 
 def test_a_product_without_curves_or_of_another_plan_is_named(run, scene_file, monkeypatch):

@@ -1,13 +1,17 @@
 """What must not pass as fresh, and what must not be solved again: five faults, each with its relatives."""
 
 import shutil
+import subprocess
+import sys
 
 import pytest
 
 from tests.scenes import curves_in, scene_in
 from weier import digests
 from weier.data import bodies
+from weier.data.variables import Status
 from weier.digests import PACKAGE, numerics
+from weier.methods import registry
 from weier.pipeline import jobs
 from weier.pipeline.jobs import solve
 from weier.pipeline.products import DATA, PAGE, made_of, names_of
@@ -37,7 +41,6 @@ SHORT = {
 def test_code_that_changes_while_a_job_works_is_no_code_of_its_curves(tmp_path, package, monkeypatch, module):
     """Also another version of a package. What was appended before stays, and an undone edit leaves nothing behind."""
     curves = curves_in(scene_in(tmp_path, SHORT), tmp_path / "curves")
-    monkeypatch.setattr(jobs, "APPEND_SECONDS", 0)
     own, done = jobs._row, []
 
     def edited(*given):
@@ -48,13 +51,11 @@ def test_code_that_changes_while_a_job_works_is_no_code_of_its_curves(tmp_path, 
             monkeypatch.setattr(digests, "versions", lambda: "numpy 0")
         return own(*given)
 
-    with monkeypatch.context() as patch:
-        patch.setattr(jobs, "_row", edited)
-        for since in ("this job began", "the plan"):  # nor does a job begin that was planned before
-            with pytest.raises(
-                ValueError, match=f"^the code of weier has changed since {since}: run snakemake again"
-            ):
-                solve(curves.store.lacking(curves.parts_for()), curves.store, "test", lambda line: None)
+    monkeypatch.setattr(jobs, "APPEND_SECONDS", 0)
+    monkeypatch.setattr(jobs, "_row", edited)
+    for since in ("this job began", "the plan"):  # nor does a job begin that was planned before
+        with pytest.raises(ValueError, match=f"^the code of weier has changed since {since}: run snakemake again"):
+            solve(curves.store.lacking(curves.parts_for()), curves.store, "test", lambda line: None)
     monkeypatch.undo()
     again = curves_in(curves.scene, curves.store.folder)
     assert (len(done), sum(len(part.keys) for part in again.store.lacking(again.parts_for()))) == (6, 12 - 5)
@@ -66,12 +67,11 @@ EDITS = [
     ("scene/case.py", 'random_phases(p["seed"])', 'random_phases(p["seed"] + 1)', True),
     ("surface/profile.py", "2 * np.pi, m)", "2 * np.pi, m)[::-1]", True),
     ("methods/bem/boundary_elements.py", "points_per_wave: int | None = None", "points_per_wave: int = 32", True),
-    ("pipeline/store.py", "column[row, ...]", "column[~row, ...]", True),
+    ("pipeline/store.py", "joined[(rows, ", "joined[(rows[::-1], ", True),
     ("surface/measured/trace.py", "\n\n\n", "\n\n\nMORE = 1\n\n\n", True),
     ("api/task.py", '"""A curve to solve', '"""One curve to solve', False),
     ("surface/profile.py", "\n\n\n", "\n\n\n# A comment.\n", False),
     ("pipeline/needed_curves.py", "method: str", "method: object", False),
-    ("surface/measured/text.py", "\n\n\n", "\n\n\nMORE = 1\n\n\n", False),  # a reader of files
     ("figures/many_curves.py", "\n\n\n", "\n\n\nMORE = 1\n\n\n", False),
 ]
 
@@ -87,15 +87,78 @@ def test_the_numerics_change_with_what_may_change_a_number_alone(package, module
 def test_the_numerics_change_with_renamed_modules_wherever_they_are_remembered(package, tmp_path, monkeypatch):
     (tmp_path / "closed").touch()
     found = []
-    for cache in ("cache", "cache", "closed"):
-        monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / cache))
-        found.append([])
-        for name in ("new", "newer"):
-            (package / f"theory/{name}.py").touch()
-            found[-1].append(numerics())
-            (package / f"theory/{name}.py").unlink()
-    assert found[0] == found[1] == found[2]
-    assert len({*found[0]}) == len([*(tmp_path / "cache/digests").iterdir()]) == 2
+    for name in ("new", "newer"):
+        (package / f"theory/{name}.py").touch()
+        for cache in ("cache", "cache", "closed"):
+            monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / cache))
+            found.append(numerics())
+        (package / f"theory/{name}.py").unlink()
+    assert found == [found[0]] * 3 + [found[-1]] * 3
+    assert len({*found}) == len([*(tmp_path / "cache/digests").iterdir()]) == 2
+
+
+# Modules that solving curves imports and numerics leave out, since no number changes with them: keys, cases and
+# figures of a scene, bodies (loads and modulus are in the name of a kind), words, files and progress.
+LEFT_OUT = (
+    "scene/models scene/trace_keys scene/file scene/cases scene/figure data/bodies data/curves data/si "
+    "data/variables data/files data/provenance data/markdown api/progress"
+)
+RUN = {"api/progress.py", "data/files.py"}  # these run while curves are solved
+SOLVED = """
+import sys
+from pathlib import Path
+from weier.digests import CURVES, PACKAGE, files_of, numerics
+from weier.pipeline.needed_curves import Curves
+from weier.pipeline.jobs import solve
+from weier.pipeline.store import Store
+from weier.scene import load
+
+run = set()
+def noted(frame, event, argument):
+    run.add(frame.f_code.co_filename)
+
+def outside(files):
+    inside = {path.relative_to(PACKAGE).as_posix() for path in map(Path, files) if PACKAGE in path.parents}
+    return sorted(name for name in inside - {*files_of(CURVES)} if not name.endswith("__init__.py"))
+
+for path in map(Path, sys.argv[1:]):
+    curves = Curves(load(path), Store(path.with_suffix(""), numerics()))
+    lacking = curves.store.lacking(curves.parts_for())
+    sys.setprofile(noted)
+    solve(lacking, curves.store, "test", lambda line: None)
+    sys.setprofile(None)
+print(*sorted({part.kind.method for part in lacking}))
+print(*outside(getattr(module, "__file__", None) or "" for module in list(sys.modules.values())))
+print(*outside(run))
+"""
+BY_EACH_METHOD = """
+title: by each method
+loads: [{loads}]
+methods: [{methods}]
+interface: {{mu_1: 80 GPa, mu_2: 80 GPa, nu_1: 0.3, nu_2: 0.3, rho_1: 1.0e-7, rho_2: 1.0e-7,
+  lambda_0: 1 mm, g_0: 1 um}}
+studies:
+  series: {{product: {{D: 1.25, gamma: "5/2", m: [1, 2], seed: 1}}}}
+  infinite: {{product: {{D: 1.25, gamma: 5, m: .inf}}, methods: [demelio, layer, persson]}}
+  line: {{trace: {{file: line.csv, length: 1.0e-3, height_unit: um, shortest: 3.0e-4}}, methods: [bem, patches]}}
+"""
+
+
+def test_all_that_solving_curves_runs_is_in_their_numerics(tmp_path, monkeypatch):
+    """Of a share of each method, of a trace, in p_0* and in SI units, in a fresh process."""
+    scenes = {tmp_path / "normalised.yaml": "0.1, 1.0", tmp_path / "si.yaml": "1 MPa, 10 MPa"}
+    for path, loads in scenes.items():
+        path.write_text(BY_EACH_METHOD.format(loads=loads, methods=", ".join(registry.names())))
+    (tmp_path / "line.csv").write_text("\n".join(map(str, HEIGHTS)))
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    done = subprocess.run([sys.executable, "-c", SOLVED, *scenes], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    solved, imported, run = map(str.split, done.stdout.splitlines())
+    assert solved == sorted([*registry.names(), "surface"])
+    assert {*imported} == {f"{name}.py" for name in LEFT_OUT.split()}
+    assert {*run} <= RUN
+    names = ["solved", "not_requested", "not_applicable", "not_converged"]  # the numbers in stored curves
+    assert [status.name for status in sorted(Status)] == names
 
 
 # --- 3. A trace is its final heights, whatever they come from. ---

@@ -66,12 +66,12 @@ def make(scene_file: Path, store: Path, folder: Path) -> None:
     """
     from weier.figures.make import make_product
     from weier.pipeline.needed_curves import Curves
-    from weier.pipeline.products import job_of, remove_older, stale, stamp_of
+    from weier.pipeline.products import job_of, remove_older, stamp_of
 
     curves = Curves(weier.load_scene(scene_file), Store(store, numerics()))
     what = folder.name.rpartition(".")[0]
-    stamps = stale(curves.scene, what, partial(stamp_of, curves, folder.parents[1]))
-    if folder.name != job_of(what, stamps):
+    job, stamps = job_of(curves.scene, what, partial(stamp_of, curves, folder.parents[1]))
+    if folder.name != job:
         raise ValueError(f"{scene_file.stem} or weier has changed since the plan: run snakemake again")
     unfinished = folder.with_name(f"{folder.name}.unfinished")  # FOLDER appears only as a whole
     shutil.rmtree(unfinished, ignore_errors=True)

@@ -26,13 +26,13 @@ from weier.data.variables import CASE, CURVE, LABEL, LOADS, VARIABLES
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
 from weier.pipeline.needed_curves import Curves, Part
-from weier.pipeline.store import ORIGIN, Rows
+from weier.pipeline.store import ORIGIN
 from weier.scene.cases import Scene
 from weier.scene.identity import short_keys
 from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Values = NDArray[Any]
-Own = tuple[Part, Indices, Rows]  # a part, its rows in a dataset, and those in the store
+Own = tuple[Part, Indices, Indices]  # a part, its rows in a dataset, and those in the store
 
 
 class Solved:
@@ -101,7 +101,7 @@ class Solved:
             joined[within] = values
         return joined
 
-    def _read(self, name: str, part: Part, stored: Rows) -> Values | None:
+    def _read(self, name: str, part: Part, stored: Indices) -> Values | None:
         """Return a variable of the curves of a part, NaN at loads that it does not have."""
         if name == "settings":
             return np.full(len(part.cases), json.dumps(part.kind.settings, sort_keys=True), object)

@@ -8,7 +8,7 @@ has none, so that scenes share curves, and the profiles of an ensemble share tho
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -47,15 +47,10 @@ class Kind:
     contact_edges: bool = False
     modulus: float | None = None
 
-    @property
-    def about(self) -> dict[str, Any]:
-        """Its fields by their names."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
     @cached_property
     def name(self) -> str:
         """The name of its folder."""
-        return f"{self.method}-{digest(self.about)[:DIGITS]}"
+        return f"{self.method}-{digest(asdict(self))[:DIGITS]}"
 
     @property
     def uses_phases(self) -> bool:
@@ -118,14 +113,12 @@ class Part:
 
 def each_once(parts: Iterable[Part]) -> list[Part]:
     """Return the parts reduced so that each curve is in the first one that has it."""
-    by_kind: dict[str, list[Part]] = {}
+    found, known = list[Part](), dict[str, Keys]()
     for part in parts:
-        by_kind.setdefault(part.kind.name, []).append(part)
-    found = list[Part]()
-    for same in by_kind.values():
-        new = np.zeros(sum(len(part.keys) for part in same), bool)
-        new[distinct(np.concatenate([part.keys for part in same]))[0]] = True
-        found += [part.only(own) for part, own in zip(same, _split(new, same), strict=True)]
+        earlier = known.get(part.kind.name, part.keys[:0])
+        first, _ = distinct(part.keys)
+        found.append(part.only(first[~np.isin(part.keys[first], earlier)]))
+        known[part.kind.name] = np.concatenate([earlier, found[-1].keys])
     return found
 
 
@@ -140,12 +133,13 @@ def share(wanted: Iterable[Part], number: int, count: int) -> list[Part]:
     seconds = np.round(np.concatenate([part.seconds for part in parts]), 6)  # last bits differ between processors
     own = np.zeros(seconds.size, bool)
     own[np.lexsort((keys, -seconds))[number::count]] = True
-    return [part.only(mine) for part, mine in zip(parts, _split(own, parts), strict=True)]
+    ends = np.cumsum([len(part.keys) for part in parts])
+    return [part.only(mine) for part, mine in zip(parts, np.split(own, ends[:-1]), strict=True)]
 
 
-def _split(values: Flags, parts: Sequence[Part]) -> list[Flags]:
-    """Return the values of the curves of each part."""
-    return np.split(values, np.cumsum([len(part.keys) for part in parts])[:-1])
+def digest_of_curves(parts: Iterable[Part]) -> str:
+    """Return a digest of curves in their order."""
+    return digest([[part.kind.name, digest_of_keys(part.keys)] for part in parts])
 
 
 class Curves:
@@ -172,7 +166,3 @@ class Curves:
             wanted[self.scene.cases_of_study(study)] = True
         parts = [part.only(wanted[part.cases]) for part in (*self.surfaces, *self.parts)]
         return [part for part in parts if part.cases.size]
-
-    def digest(self, studies: Collection[str] | None = None) -> str:
-        """Return a digest of the curves of these studies, or of all, in the order of their cases."""
-        return digest([[part.kind.name, digest_of_keys(part.keys)] for part in self.parts_for(studies)])

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from weier.data.provenance import source_date
 from weier.digests import DIGITS, digest, digest_of_modules, numerics
-from weier.pipeline.needed_curves import Curves
+from weier.pipeline.needed_curves import Curves, digest_of_curves
 from weier.scene.cases import Scene
 from weier.scene.identity import digest_of_keys
 
@@ -48,7 +48,8 @@ def made_of(curves: Curves, product: str) -> str:
     scene = curves.scene
     studies = studies_of(scene, product)
     cases = [[name, [digest_of_keys(part.case_keys) for part in scene.studies[name].products]] for name in studies]
-    common = [scene.name, product, numerics(), digest_of_modules(*ROOMS), cases, curves.digest(studies)]
+    wanted = digest_of_curves(curves.parts_for(studies))
+    common = [scene.name, product, numerics(), digest_of_modules(*ROOMS), cases, wanted]
     if product == DATA:  # SOURCE_DATE_EPOCH replaces the date and omits the seconds
         own = [scene.text, source_date()]
     else:
@@ -76,17 +77,13 @@ def _same(file: Path, other: Path) -> bool:
     return file.is_file() and other.is_file() and filecmp.cmp(file, other, shallow=False)
 
 
-def stale(scene: Scene, what: str, stamp: Callable[[str], tuple[str, bool]]) -> list[str]:
-    """Return the stamps PRODUCT/DIGEST that are missing of a product, or of ALL.
+def job_of(scene: Scene, what: str, stamp: Callable[[str], tuple[str, bool]]) -> tuple[str, list[str]]:
+    """Return the name of the job that makes the missing stamps of a product, or of ALL, and these stamps.
 
     `stamp` returns what `stamp_of` returns for a product.
     """
-    return [name for name, fresh in map(stamp, names_of(scene) if what == ALL else [what]) if not fresh]
-
-
-def job_of(what: str, stamps: list[str]) -> str:
-    """Return the name of the job that makes these stamps of a product, or of ALL."""
-    return f"{what}.{digest(stamps)[:DIGITS]}"
+    missing = [name for name, fresh in map(stamp, names_of(scene) if what == ALL else [what]) if not fresh]
+    return f"{what}.{digest(missing)[:DIGITS]}", missing
 
 
 def remove_older(job: Path, product: str) -> None:

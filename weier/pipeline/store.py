@@ -13,6 +13,7 @@ import json
 import os
 import time
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,27 +25,29 @@ from weier.kernels.arrays import Flags, Indices
 from weier.pipeline.needed_curves import Kind, Part, each_once
 from weier.scene.identity import Keys
 
-Rows = tuple[Indices, Indices]  # the segment of each curve, and its row there
-
 KEY, ORIGIN = "key", "origin"  # one key per row, one origin per segment
 SUFFIX = ".npz"
 DAMAGED = "{} is damaged: move it away and run snakemake again, which solves its curves anew"
 
 
 class Index(NamedTuple):
-    """The rows of a kind: segments with columns and origin, sorted keys, and the segment and the row of each key."""
+    """The rows of a kind, numbered through its segments.
+
+    files, columns, origins, starts : of each segment, the path, names of columns, origin and number of its first row
+    keys, rows : the distinct keys in increasing order, and a row of each
+    """
 
     files: Sequence[Path]
     columns: Sequence[Collection[str]]
     origins: Sequence[str]
+    starts: Indices
     keys: Keys
-    segment: Indices
-    row: Indices
+    rows: Indices
 
     def find(self, keys: Keys) -> tuple[Flags, Indices]:
         """Return whether each key has a row, and its position in the index."""
         place = np.searchsorted(self.keys, keys)
-        return np.append(self.keys, 0)[place] == keys if self.keys.size else np.zeros(keys.shape, bool), place
+        return np.append(self.keys, np.uint64(0))[place] == keys, place  # 0 is not above all other keys
 
 
 class Store:
@@ -59,41 +62,37 @@ class Store:
         lacking = (part.only(~self.index(part.kind.name).find(part.keys)[0]) for part in each_once(wanted))
         return [part for part in lacking if part.cases.size]
 
-    def rows(self, kind: Kind, keys: Keys) -> Rows:
+    def rows(self, kind: Kind, keys: Keys) -> Indices:
         """Return where curves are; ValueError if one is not solved."""
         index = self.index(kind.name)
         known, place = index.find(keys)
         if not known.all():
             raise ValueError(f"{(~known).sum()} curves by {kind.method} are not solved: run snakemake again")
-        return index.segment[place], index.row[place]
+        return index.rows[place]
 
-    def read(self, kind: Kind, rows: Rows, name: str) -> NDArray[Any] | None:
+    def read(self, kind: Kind, rows: Indices, name: str) -> NDArray[Any] | None:
         """Return a variable of the curves in `rows`, shape (rows, ...), NaN or "" if missing; None if none has it."""
-        index, (segment, row) = self.index(kind.name), rows
+        index = self.index(kind.name)
+        segment = np.searchsorted(index.starts, rows, "right") - 1
         if name == ORIGIN:
             return np.array(index.origins, object)[segment]
-        found: dict[int, NDArray[Any]] = {}
+        found = list[tuple[Indices, NDArray[Any]]]()
         for number in np.flatnonzero(np.bincount(segment)).tolist():  # those that have rows
             if name in index.columns[number]:
+                here = np.flatnonzero(segment == number)
                 with np.load(index.files[number]) as columns:
-                    found[number] = columns[name]
-        if not found:
-            return None
-        shape = np.max([values.shape[1:] for values in found.values()], axis=0).astype(int)
-        joined = _blank((len(row), *shape), np.result_type(*{values.dtype for values in found.values()}))
-        for number, values in found.items():
-            here = segment == number
-            within = tuple(map(slice, values.shape[1:]))
-            joined[(here, *within)] = values[row[here]]
-        return joined
+                    found.append((here, columns[name][rows[here] - index.starts[number]]))
+        return _joined(rows.size, found) if found else None
 
     def append(self, kind: Kind, rows: Mapping[np.uint64, Mapping[str, Any]], origin: str) -> None:
         """Append curves as one segment, atomically: the data are synced to disk before the file gets its name."""
         if not (about := self.folder / kind.name / "kind.json").exists():
-            write_text(about, json.dumps(kind.about, indent=1, sort_keys=True) + "\n")
+            write_text(about, json.dumps(asdict(kind), indent=1, sort_keys=True) + "\n")
         names = dict.fromkeys(name for row in rows.values() for name in row)
-        columns = {name: _column([row.get(name) for row in rows.values()]) for name in names}
-        columns |= {KEY: np.array([*rows], np.uint64), ORIGIN: np.array(origin)}
+        columns = {KEY: np.array([*rows], np.uint64), ORIGIN: np.array(origin)}
+        for name in names:
+            values = [(slice(n, n + 1), np.array([row[name]])) for n, row in enumerate(rows.values()) if name in row]
+            columns[name] = _joined(len(rows), values)
         np.savez_compressed(content := io.BytesIO(), allow_pickle=False, **columns)
         path = self.segments(kind.name) / f"{time.time_ns():x}-{_checksum(content.getvalue())}{SUFFIX}"
         with replacing(path) as temporary, temporary.open("wb") as file:
@@ -110,7 +109,7 @@ class Store:
         """Return the rows of a kind; ValueError if a segment is damaged."""
         if kind not in self._indices:
             files = sorted(self.segments(kind).glob(f"[!.]*{SUFFIX}"))
-            names, origins, keys = list[Collection[str]](), [], []
+            names, origins, keys = list[Collection[str]](), [], [np.empty(0, np.uint64)]
             for file in files:
                 content = file.read_bytes()
                 if not file.stem.endswith(_checksum(content)):
@@ -119,12 +118,10 @@ class Store:
                     names.append(columns.files)
                     origins.append(str(columns[ORIGIN]))
                     keys.append(columns[KEY])
-            every = np.concatenate([np.empty(0, np.uint64), *keys])
-            order = np.argsort(every, kind="stable")
-            sizes = [len(own) for own in keys]
-            segment = np.repeat(np.arange(len(files)), sizes)
-            row = np.concatenate([np.empty(0, int), *map(np.arange, sizes)])
-            self._indices[kind] = Index(files, names, origins, every[order], segment[order], row[order])
+            starts = np.cumsum([len(own) for own in keys])[:-1]
+            self._indices[kind] = Index(
+                files, names, origins, starts, *np.unique(np.concatenate(keys), return_index=True)
+            )
         return self._indices[kind]
 
 
@@ -132,19 +129,14 @@ def _checksum(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:16]
 
 
-def _column(values: Sequence[Any]) -> NDArray[Any]:
-    """Return values of rows as an array, shape (rows, ...): shorter ones end in NaN, missing ones are NaN or ""."""
-    arrays = [np.asarray(value) for value in values if value is not None]
-    shape = np.max([array.shape for array in arrays], axis=0).astype(int)
-    column = _blank((len(values), *shape), np.result_type(*{array.dtype for array in arrays}))
-    for row, value in enumerate(values):
-        if value is not None:
-            column[row, ...][tuple(map(slice, np.shape(value)))] = value
-    return column
+def _joined(count: int, parts: Sequence[tuple[Indices | slice, NDArray[Any]]]) -> NDArray[Any]:
+    """Combine values of some rows each into an array, shape (count, ...).
 
-
-def _blank(shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
-    """Return an array of values that are missing; integers become floats."""
-    if dtype.kind == "U":
-        return np.zeros(shape, dtype)
-    return np.full(shape, np.nan)
+    Shorter rows end in NaN, and missing ones are NaN or "", so that integers become floats.
+    """
+    shape = np.max([values.shape[1:] for _, values in parts], axis=0).astype(int)
+    dtype = np.result_type(*{values.dtype for _, values in parts})
+    joined = np.zeros((count, *shape), dtype) if dtype.kind == "U" else np.full((count, *shape), np.nan)
+    for rows, values in parts:
+        joined[(rows, *map(slice, values.shape[1:]))] = values
+    return joined

@@ -14,15 +14,14 @@ from typing import Any, TypeVar
 
 from weier.checks import checked_word, shown
 from weier.data.files import check_target
-from weier.digests import DIGITS, digest, numerics
+from weier.digests import DIGITS, numerics
 from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
 from weier.pipeline import products
-from weier.pipeline.needed_curves import SURFACE, Curves, Part, share
+from weier.pipeline.needed_curves import SURFACE, Curves, Part, digest_of_curves, share
 from weier.pipeline.products import ALL
 from weier.pipeline.store import Store
 from weier.scene import Scene
-from weier.scene.identity import digest_of_keys
 
 RESULTS = Path("results")
 # Minutes of a job in addition to the expected ones, for a busy disk; expected seconds may be wrong by this factor. A
@@ -63,7 +62,7 @@ class Plan:
         self.curves = once(lambda name: Curves(self.scene(name), store))
         self.missing = once(lambda what: missing(what, self.curves))
         self.stamp = once(lambda name, product: products.stamp_of(self.curves(name), RESULTS / name, product))
-        self.stale = once(lambda name, what: products.stale(self.scene(name), what, partial(self.stamp, name)))
+        self.new_job = once(lambda name, what: products.job_of(self.scene(name), what, partial(self.stamp, name))[0])
 
     # --- products ---
 
@@ -86,7 +85,7 @@ class Plan:
         stamp, fresh = self.stamp(name, product)
         if not fresh:
             what = ALL if self._makes_all and name in self.names else product
-            stamp = products.job_of(what, self.stale(name, what))
+            stamp = self.new_job(name, what)
         return str(RESULTS / name / products.STAMPS / Path(stamp).parts[0]), fresh
 
     def made_of(self, wildcards: Any, product: str, ancient: Callable[[str], Any]) -> dict[str, Any]:
@@ -104,17 +103,16 @@ class Plan:
     # --- curves ---
 
     def solved(self, wildcards: Any) -> list[str]:
-        """Return the jobs that solve the missing curves of the products that a job makes."""
-        names = self.names if wildcards.what == ALL else [wildcards.scene]
-        return self._jobs("/".join([*names, wildcards.what]))
+        """Return the jobs that solve the missing curves of the products that a job makes.
 
-    def _jobs(self, what: str) -> list[str]:
-        """Return the jobs that solve the missing curves: at most `slots`, and none too short."""
+        These are at most `slots`, and none is too short.
+        """
+        names = self.names if wildcards.what == ALL else [wildcards.scene]
+        what = "/".join([*names, wildcards.what])
         parts = self.missing(what)
         curves, seconds = sum(len(part.keys) for part in parts), _seconds(parts)
         count = min(self.slots, curves, 1 + int(seconds / JOB_SECONDS))
-        keys = digest([[part.kind.name, digest_of_keys(part.keys)] for part in parts])[:DIGITS]
-        folder = RESULTS / "curves" / ".solved" / what / self.numerics / keys
+        folder = RESULTS / "curves" / ".solved" / what / self.numerics / digest_of_curves(parts)[:DIGITS]
         return [str(folder / f"{number}-of-{count}") for number in range(count)]
 
     def files(self, wildcards: Any, output: Any) -> list[str]:

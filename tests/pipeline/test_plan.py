@@ -1,0 +1,127 @@
+"""The plan of a run: what is missing, who makes it, and messages that end a run."""
+
+import shutil
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from weier.figures.scene_checks import load_by_name
+from weier.pipeline import products, workflow
+from weier.pipeline.products import STAMPS, files_of, remove_older, stamp_of
+from weier.pipeline.workflow import Plan
+
+SCENE = """
+title: test
+loads: [0.1, 1.0]
+methods: [demelio, bem, patches]
+studies:
+  short: {product: {D: 1.25, gamma: 5, m: [1, 2]}}
+  long: {product: {D: 1.25, gamma: 5, m: [2, 3]}}
+figures:
+  one: {draw: compliance, studies: [short], facet: m}
+  two: {draw: resistance, studies: [long], facet: m}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Where Snakemake runs, with scenes of which the last is wrong. Planning writes nothing."""
+    (tmp_path / "config/scenes").mkdir(parents=True)
+    for name, text in (("test", SCENE), ("other", SCENE), ("wrong", SCENE.replace("1.25", "2.25"))):
+        (tmp_path / f"config/scenes/{name}.yaml").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    yield
+    assert [path.name for path in tmp_path.iterdir()] == ["config"]
+
+
+def plan(*names, slots=2):
+    """As the rules have it, in a new run."""
+    return Plan(names or ("test",), load_by_name, "config/scenes", slots)
+
+
+def of(**wildcards):
+    return SimpleNamespace(**{"scene": "test"} | wildcards)
+
+
+def solved(plan, product, scene="test"):
+    """The jobs that solve curves for the job that makes a product."""
+    return plan.solved(of(scene=scene, what=Path(plan.job(scene, product)[0]).stem))
+
+
+def test_products_of_all_scenes_wait_for_the_same_jobs_and_a_named_one_for_its_own(folder):
+    """Scenes may share curves, which would be solved once for each of them."""
+    together, beside = plan("test", "other"), plan("test")
+    together.all_files(of()), beside.all_files(of())
+    found = [solved(together, product, scene) for scene in ("test", "other") for product in ("one", "contact.nc")]
+    assert found == [found[0]] * 4
+    assert found[0][0].startswith("results/curves/.solved/test/other/all.products/")
+    for own in (plan("test", "other"), beside):
+        assert all(path.startswith("results/curves/.solved/other/one/") for path in solved(own, "one", "other"))
+
+
+def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_is_short(folder, monkeypatch):
+    for seconds, slots, expected in ((1.0, 9, 1), (90.0, 3, 3), (1e4, 99, 8)):
+        monkeypatch.setattr(workflow.Part, "seconds", np.array([seconds]))  # of each part
+        found = [Path(path).name for path in solved(plan(slots=slots), "one")]
+        assert found == [f"{number}-of-{expected}" for number in range(expected)]
+    own, job = plan(), of(what="test/one", share="0-of-4")
+    assert own.seconds(job) == 4 * 1e4 / 4  # of four parts
+    assert [own.minutes(job, attempt) for attempt in (1, 2)] == [838, 1677]
+
+
+def test_kernels_of_numerical_methods_are_compiled_in_shares_before_their_curves(folder, monkeypatch):
+    for disabled, expected in (("0", ["bem.curves", "patches.curves", "patches.others"]), ("1", [])):
+        monkeypatch.setenv("NUMBA_DISABLE_JIT", disabled)
+        assert [Path(kernels).name for kernels in plan().kernels(of(what="test/one"))] == expected
+
+
+@pytest.mark.parametrize(
+    ("planned", "message"),
+    [
+        (lambda: solved(plan(), "one", "wrong"), "config/scenes/wrong.yaml has 2 mistakes"),
+        (lambda: solved(plan(), "three"), "a figure of test must be one of one, two, got 'three'"),
+        (lambda: workflow.names_of_scenes({"scenes": 815}), "scenes must be names"),
+        (lambda: workflow.names_of_scenes({"scenes": " "}), "scenes must be names"),
+        (lambda: workflow.names_of_scenes({"scenes": "test", "scene": "other"}), "a key of --config must be"),
+    ],
+)
+def test_a_wrong_scene_or_name_ends_in_one_sentence(folder, planned, message):
+    with pytest.raises(SystemExit, match=f"^weier: {message}"):
+        planned()
+    assert workflow.names_of_scenes({"scenes": "test, 2024,test"}) == ["test", "2024"]
+
+
+def make(folder, job, stamp):
+    """Make the files of the figure `one` and their stamp, as the rules do."""
+    made = folder / STAMPS / job / stamp
+    for file in files_of("one"):
+        for path in (folder / file, made / Path(file).name):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(file)
+    remove_older(folder / STAMPS / job, "one")
+
+
+def test_stamps_count_with_their_files_also_in_a_copy_and_an_edit_asks_for_one_of_another_name(tmp_path, monkeypatch):
+    """What a product is made of: test_freshness."""
+    monkeypatch.setattr(products, "made_of", lambda curves, product: curves)  # digests in place of curves
+    folder, stamps = tmp_path / "scene", {"one/a"}
+    assert stamp_of("a", folder, "one") == ("one/a", False)
+    make(folder, "job", "one/a")
+    (folder / STAMPS / "job/two").mkdir()  # of another product, which is kept
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    assert stamp_of("a", copy, "one") == stamp_of("a", folder, "one") == ("job/one/a", True)
+    assert stamp_of("b", folder, "one") == ("one/b", False)
+    for file in files_of("one"):
+        for edit in (Path.unlink, lambda path: path.write_text("edited")):
+            edit(folder / file)
+            stamp, fresh = stamp_of("a", folder, "one")
+            assert (stamp.startswith("one/a."), fresh) == (True, False)
+            assert stamp_of("a", folder, "one")[0] == stamp  # in each plan the same one
+            stamps.add(stamp)
+            make(folder, job := f"job {len(stamps)}", stamp)
+            assert stamp_of("a", folder, "one") == (f"{job}/{stamp}", True)
+    assert len(stamps) == 1 + 2 * len(files_of("one"))
+    left = {path.relative_to(folder / STAMPS).as_posix() for path in (folder / STAMPS).glob("*/*")}
+    assert left == {"job/two", f"{job}/one"}
