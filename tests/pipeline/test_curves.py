@@ -120,7 +120,7 @@ def test_jobs_share_the_seconds_of_curves_whatever_others_have_solved_meanwhile(
     long = {"product": PRODUCT | {"m": [1, 2, 3, 4], "seed": {"from": 1, "to": 10, "count": 10}}}
     full = curves_of(tmp_path, studies={"one": SCENE["studies"]["one"], "long": long})
     planned, before = lacking(full), shares(full, 3)
-    assert sorted(key for own in before for key in named(own)) == sorted(named(planned))
+    assert sorted(key for own in before for key in named(own)) == sorted(named(planned)) == sorted({*named(planned)})
     seconds = [sum(part.seconds.sum() for part in own) for own in before]
     longest = max(part.seconds.max() for part in planned)
     assert max(seconds) - min(seconds) <= longest < 0.1 * min(seconds)
