@@ -117,7 +117,7 @@ def named(parts):
 
 def test_jobs_share_the_seconds_of_curves_whatever_others_have_solved_meanwhile(tmp_path):
     """Each curve once, also one that two studies have, and curves of one kind by different jobs."""
-    long = {"product": PRODUCT | {"m": [1, 2, 3, 4], "seed": {"from": 1, "to": 10, "count": 10}}}
+    long = {"product": PRODUCT | {"m": [1, 2, 3, 4], "seed": {"from": 4, "to": 13, "count": 10}}}
     full = curves_of(tmp_path, studies={"one": SCENE["studies"]["one"], "long": long})
     planned, before = lacking(full), shares(full, 3)
     assert sorted(key for own in before for key in named(own)) == sorted(named(planned)) == sorted({*named(planned)})
