@@ -54,7 +54,7 @@ MAX_ROOT_LOADS = 8  # loads per root search, then the interval is divided; 3 are
 MAX_SPLITS = 100
 # samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
 # minimum is located, and then Chebyshev points beside the lowest of these
-SAMPLES = 12
+SAMPLES = 16
 
 
 class Events(NamedTuple):
