@@ -94,8 +94,7 @@ def test_a_state_that_is_wrong_by_a_height_or_a_load_is_certified_to_no_less(loa
 
     def certified(wrong):
         minima, negative = minima_outside(wrong, series, 0.0), find_negative_intervals(wrong)
-        found = (minima, negative) if state.kind is CONTACTS else (negative, minima)
-        violations = *contact_residual(wrong, series), *found
+        violations = *contact_residual(wrong, series), *wrong.kind.overlaps_and_tensions(minima, negative)
         return certify(wrong, *violations, series, solution.surface.total_amplitude, 1e-3, 0.0).error
 
     assert certified(state) < 1e-12

@@ -5,7 +5,7 @@ import pytest
 
 from tests.methods.patches.westergaard_states import KINDS
 from weier import Profile
-from weier.methods.patches import contacts, inequalities, stages
+from weier.methods.patches import contacts, gaps, stages
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.inequalities import NEGATIVE
@@ -122,7 +122,7 @@ def test_gaps_are_thin_beside_their_neighbours_and_the_ends_of_a_contact():
 def limit(monkeypatch, thinness):
     """Change the limit of thin gaps for contacts and for gaps."""
     monkeypatch.setattr(contacts, "MAX_THINNESS", thinness)
-    monkeypatch.setattr(inequalities, "MAX_THINNESS", thinness)
+    monkeypatch.setattr(gaps, "MAX_THINNESS", thinness)
 
 
 def between(state):

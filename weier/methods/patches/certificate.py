@@ -16,7 +16,6 @@ from weier.kernels.jit import in_any_order, kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
-from weier.methods.patches.inequalities import gap_minima, minima_outside
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING
 from weier.methods.patches.pressure_and_gap import residuals_in_order
 from weier.methods.patches.segments import ContactState, SegmentArrays, edge_strengths
@@ -181,10 +180,10 @@ def certify(
     largest = float(kind.as_height(residual, state.segments.half_width).max())
     worst = max(largest, closure)
     check_violation(state, worst, missing, period, tolerance)
-    gap, displacement, pressure, width = SAMPLED_FACTOR * largest, 0.0, np.empty(0), np.empty(0)
-    if kind.is_slope:  # A residual pressure sigma on a width W displaces the surface by about 2 sigma W.
-        gap, displacement, pressure, width = 0.0, 2 * gap, SAMPLED_FACTOR * residual, residual_width
-        roughness = np.zeros(residual.size)  # Edges respond to the lowest two coefficients only.
+    gap, pressure, roughness = kind.violations(SAMPLED_FACTOR * largest, SAMPLED_FACTOR * residual, roughness)
+    width = residual_width[: pressure.size]
+    # A residual pressure sigma on a width W displaces the surface by about 2 sigma W (`error_bound`).
+    displacement = 2 * SAMPLED_FACTOR * largest if kind.is_slope else 0.0
     gap = max(gap, closure, *(-overlaps["value"]).tolist())
     if tensions.size > 0:
         contacts = kind.contacts_of(state.segments.extent, period)
@@ -200,10 +199,7 @@ def certify(
     )
     height_error = error + displacement
     uncertainty = gap_uncertainty(height_error, total_amplitude)
-    if kind.is_slope:
-        minima = gap_minima(state)
-    else:
-        minima = overlaps if uncertainty <= margin else minima_outside(state, series, uncertainty)
+    minima = kind.narrow_gaps(state, series, overlaps, margin, uncertainty)
     narrow = minima[minima["value"] < uncertainty] if minima.size > 0 else minima
     return state._replace(
         residual=worst, error=error, height_error=height_error, roughness=roughness, narrow_gaps=narrow
@@ -243,7 +239,7 @@ def gap_uncertainty(error: float, height: float) -> float:
 
 def check_violation(state: ContactState, residual: float, missing: float, period: float, tolerance: float) -> None:
     """Raise ConvergenceError if the residual is too large, or a pressure is missing from the load."""
-    scale = state.load * period if state.kind.is_slope else state.approach
+    scale = state.kind.residual_scale(state.load, state.approach, period)
     relative = residual / scale if scale > 0 else np.inf  # rounding has left no digit of the indentation
     relative = max(relative, missing / state.load)
     if not relative <= MAX_RESIDUAL * tolerance:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.methods.patches.given_edges import Forces, Punches, expansion
+from weier.methods.patches.inequalities import minima_outside
 from weier.methods.patches.kind import (
     FIELD_ROUNDING,
     MAX_TENSION,
@@ -25,7 +26,8 @@ from weier.methods.patches.pressure_and_gap import work_of_forces
 from weier.methods.patches.segments import ContactState
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface
 from weier.methods.patches.thin_gaps import densities_on_contacts
-from weier.methods.punches import OFFSET
+from weier.methods.punches import OFFSET, Inverse, invert_punches
+from weier.theory.halfplane import punch_displacement
 
 
 class Contacts:
@@ -76,13 +78,33 @@ class Contacts:
         """Return 0: heights are counted from the highest crest."""
         return 0.0
 
+    def self_kernel(self, sine: Array) -> Array:
+        """Return ln(2 sin theta)."""
+        return np.asarray(np.log(2 * sine))
+
     def factor(self, period: float) -> float:
         """Return -2, the factor of ln|2 sin| in the displacement by a line force."""
         return -2.0
 
+    def invert_punches(self, half_width: Array, middle: Array, period: float) -> Inverse:
+        """Return the inverse of the influence of contacts as flat punches."""
+        return invert_punches(middle, punch_displacement(half_width, period), period)
+
+    def plane_of(self, total: float, multiplier: float, period: float) -> float:
+        """Return the Lagrange multiplier."""
+        return multiplier
+
     def as_height(self, residual: Array, half_width: Array) -> Array:
         """Return the residual, which is a height."""
         return residual
+
+    def rounded_width(self, period: float, half_width: Array) -> float:
+        """Return the period: the whole load displaces each contact."""
+        return period
+
+    def share(self, count: int) -> float:
+        """Return 1: the bound takes the largest residual."""
+        return 1.0
 
     def uniform(self, height: float) -> float:
         """Return the height: displacing the plane changes all gaps by it."""
@@ -96,10 +118,26 @@ class Contacts:
         """Return values at the edges of the segments."""
         return values
 
+    def limit_outside(self, load: float, height: float, tension: float) -> float:
+        """Return the height that an overlap must exceed, in g_0."""
+        return height
+
     @property
     def limits_within(self) -> tuple[float, float]:
         """The largest allowed tension, relative, and the largest thinness of a gap in it."""
         return MAX_TENSION, MAX_THINNESS
+
+    def deserve_segments(self, minima: Records, room: Array, finest: float, opening: float) -> Flags:
+        """Return True for each overlap."""
+        return np.ones(minima.size, bool)
+
+    def violation_height(self, width: Array) -> Array:
+        """Return the opening, 2 pi b p, of a crack of half-width b under the tension p."""
+        return np.pi * width
+
+    def overlaps_and_tensions(self, minima: Records, negative: Records) -> tuple[Records, Records]:
+        """Return the minima of the gap outside the segments, and the intervals of tension on them."""
+        return minima, negative
 
     def tensions(self, contacts: Extent, found: Records, period: float) -> NDArray[np.float64]:
         """Return the intervals, which are given in the coordinate t."""
@@ -135,10 +173,24 @@ class Contacts:
         work = work_of_forces(*state_arrays, False, surface.heights.local, 0.0)
         return 0.5 * (work / surface.heights.period + state.load * state.approach)
 
+    def residual_scale(self, load: float, approach: float, period: float) -> float:
+        """Return the indentation."""
+        return approach
+
     def imbalance(self, state: ContactState, period: float) -> tuple[float, float]:
         """Return the deviation of the mean pressure, in p_0*, and the closure error of gaps, 0."""
         force = 0.5 * np.pi * float(state.segments.half_width @ state.coefficient[state.segments.first_node[:-1]])
         return abs(force / period - state.load), 0.0
+
+    def violations(self, largest: float, residual: Array, roughness: Array) -> tuple[float, Array, Array]:
+        """Return the largest gap, and no pressures."""
+        return largest, np.empty(0), roughness
+
+    def narrow_gaps(
+        self, state: ContactState, series: CosineSeries, overlaps: Records, margin: float, uncertainty: float
+    ) -> Records:
+        """Return the overlaps, or search again if the gap turns out less certain than the margin."""
+        return overlaps if uncertainty <= margin else minima_outside(state, series, uncertainty)
 
 
 CONTACTS = Contacts()

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices, Records
 from weier.methods.patches.given_edges import Forces, Punches, force_field
+from weier.methods.patches.inequalities import gap_minima
 from weier.methods.patches.kind import (
     FIELD_ROUNDING,
+    MAX_THINNESS,
     NEW_CONTACT_WIDTH,
     OnContacts,
 )
@@ -53,13 +55,32 @@ class Gaps:
         """Return the largest tension under the load."""
         return maximum - load
 
+    def self_kernel(self, sine: Array) -> Array:
+        """Return 1/(4 sin^2 theta)."""
+        return np.asarray(0.25 / sine**2)
+
     def factor(self, period: float) -> float:
         """Return the factor of 1/sin^2 in the finite-part kernel -1/(2 L^2 sin^2)."""
         return -0.5 / period**2
 
+    def invert_punches(self, half_width: Array, middle: Array, period: float) -> None:
+        """Return None: gaps carry no load."""
+
+    def plane_of(self, total: float, multiplier: float, period: float) -> float:
+        """Return the mean gap."""
+        return total / period
+
     def as_height(self, residual: Array, half_width: Array) -> Array:
         """Return pressure times width, a displacement."""
         return 2 * half_width * residual
+
+    def rounded_width(self, period: float, half_width: Array) -> float:
+        """Return the width of the widest gap."""
+        return 2 * float(half_width.max())
+
+    def share(self, count: int) -> float:
+        """Return one over the count: the bound is a sum over all gaps."""
+        return 1 / count
 
     def uniform(self, height: float) -> float:
         """Return 0: displacing the plane changes no pressure."""
@@ -73,6 +94,24 @@ class Gaps:
         """Return values at the edges of contacts; contact j follows gap j."""
         in_order = values.ravel()
         return np.concatenate([in_order[1:], in_order[:1]]).reshape(-1, 2)
+
+    def limit_outside(self, load: float, height: float, tension: float) -> float:
+        """Return the pressure that a tension must exceed, in p_0*."""
+        return tension * load
+
+    def deserve_segments(self, minima: Records, room: Array, finest: float, opening: float) -> Flags:
+        """Return whether each gap opens enough and is not thin relative to its distances and the finest wave."""
+        b = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
+        is_wide = b > MAX_THINNESS * np.minimum(room, 1 / finest)
+        return np.asarray(is_wide & (-2 * np.pi * b * minima["value"] > opening))
+
+    def violation_height(self, width: Array) -> Array:
+        """Return 1: a gap is a height."""
+        return np.ones(width.size)
+
+    def overlaps_and_tensions(self, minima: Records, negative: Records) -> tuple[Records, Records]:
+        """Return the intervals of overlap on the segments, and the minima of the pressure outside them."""
+        return negative, minima
 
     def tensions(self, contacts: Extent, found: Records, period: float) -> NDArray[np.float64]:
         """Return the intervals around minima of the pressure, each approximated by a parabola."""
@@ -119,10 +158,24 @@ class Gaps:
         work = work_of_forces(*state_arrays, True, series.local, state.load + series.maximum)
         return surface.full_contact_energy - 0.5 * work / series.period
 
+    def residual_scale(self, load: float, approach: float, period: float) -> float:
+        """Return the order of the displacement by the load."""
+        return load * period
+
     def imbalance(self, state: ContactState, period: float) -> tuple[float, float]:
         """Return the deviation of the mean pressure, 0, and the closure error of all gaps, in g_0."""
         mean = np.abs(state.coefficient[state.segments.first_node[:-1]])
         return 0.0, 0.5 * np.pi * float(state.segments.half_width @ mean)
+
+    def violations(self, largest: float, residual: Array, roughness: Array) -> tuple[float, Array, Array]:
+        """Return the pressures; their edges respond to the lowest two coefficients only (docs/patches.md)."""
+        return 0.0, residual, np.zeros(residual.size)
+
+    def narrow_gaps(
+        self, state: ContactState, series: CosineSeries, overlaps: Records, margin: float, uncertainty: float
+    ) -> Records:
+        """Return the minima of the gap on segments."""
+        return gap_minima(state)
 
 
 GAPS = Gaps()

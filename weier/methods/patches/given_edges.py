@@ -27,8 +27,8 @@ from weier.methods.patches.rule import (
     self_influence_tables,
 )
 from weier.methods.patches.segments import SegmentArrays, Segments
-from weier.methods.punches import Inverse, invert_punches, solve_forces
-from weier.theory.halfplane import punch_displacement, replace_by_influence
+from weier.methods.punches import Inverse, solve_forces
+from weier.theory.halfplane import replace_by_influence
 
 # largest number of unknowns of a direct solution: with 400 it takes 0.5 (contacts) and 1.0 (gaps) times as long as
 # conjugate gradients with fast sums, with 640 1.2 and 2.4 times (`python -m benchmarks direct_solution`)
@@ -216,11 +216,10 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, least: flo
     kind, segments, unit = punches.kind, punches.segments, load * punches.period
     forcing, least, none = forcing / unit, least / unit, np.zeros(forcing.size)
     force = punches.start / unit if punches.start.size > 0 else none
-    radius, inverse = punches.at_nodes(segments.half_width), None
+    inverse = kind.invert_punches(segments.half_width, segments.middle, punches.period)
+    radius = punches.at_nodes(segments.half_width)
     even, per_force = none, 0.0  # M^-1 1, and the displacement by a multiple of it with the sum 1
-    if not kind.is_slope:  # gaps carry no load
-        compliance = punch_displacement(segments.half_width, punches.period)
-        inverse = invert_punches(segments.middle, compliance, punches.period)
+    if inverse is not None:
         even = _precondition(punches, inverse, np.ones(forcing.size))
         per_force = 1 / float(even.sum())
         force = force + even * ((1 - force.sum()) * per_force)
@@ -242,8 +241,7 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, least: flo
         length = energy / float(direction @ product)
         force = force + length * direction
         residual -= length * product
-    mean_gap = float(force.sum()) / punches.period if kind.is_slope else plane
-    return Forces(unit * force, unit * mean_gap, unit * size, step)
+    return Forces(unit * force, unit * kind.plane_of(float(force.sum()), plane, punches.period), unit * size, step)
 
 
 def force_field(punches: Punches, force: Array, x: Array) -> Array:

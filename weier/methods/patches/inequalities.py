@@ -25,7 +25,7 @@ from weier.kernels.jit import kernel
 from weier.methods.chebyshev import derivative_expansion, evaluate_expansion
 from weier.methods.patches.edge_iteration import ContactProblem, NewtonStep
 from weier.methods.patches.given_edges import force_field
-from weier.methods.patches.kind import EPS, MAX_THINNESS, Kind
+from weier.methods.patches.kind import EPS, Kind
 from weier.methods.patches.pressure_and_gap import (
     at_point,
     complementary_residuals,
@@ -146,8 +146,9 @@ def find_negative_intervals(state: ContactState) -> Records:
     """Return intervals on segments with a negative pressure (on contacts) or gap, as `NEGATIVE`."""
     segments = state.segments
     found, _ = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, state.kind.is_slope)
-    if not state.kind.is_slope:  # a crack of half-width b under the tension p opens by 2 pi b p
-        found["height"] *= np.pi * (found["end"] - found["start"]) * segments.half_width[found["segment"]]
+    if found.size > 0:
+        width = (found["end"] - found["start"]) * segments.half_width[found["segment"]]
+        found["height"] *= state.kind.violation_height(width)
     return found
 
 
@@ -370,10 +371,8 @@ def find_missing(
         return np.empty((0, 2)), found
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
-    if kind.is_slope:  # a new gap is neither hidden nor thin, relative to its distances and the finest wave
-        b = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
-        is_wide = b > MAX_THINNESS * np.minimum(_room(step, minima), 1 / series.wavenumber[-1])
-        minima = minima[is_wide & (-2 * np.pi * b * minima["value"] > opening)]
+    finest = float(series.wavenumber[-1])
+    minima = minima[kind.deserve_segments(minima, _room(step, minima), finest, opening)]
     depth, room = -minima["value"], _room(step, minima)
     # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))

@@ -97,7 +97,7 @@ def _self_influence_table(K: int, kind: Kind, inverse: bool) -> Array:
         X = _cosine_sums(N, -kind.power) / N**2
     else:
         X, sine = -_cosine_sums(N, kind.power), np.sin(0.5 * np.pi / N * np.arange(1, N + 1))
-        X[1:] -= 0.25 / sine**2 if kind.is_slope else np.log(2 * sine)
+        X[1:] -= kind.self_kernel(sine)
     return np.concatenate([X[K - 1 : 0 : -1], X, X[-2::-1]])[: 3 * K]  # X is even about 0 and N
 
 

@@ -147,7 +147,7 @@ def solve_in_stages(
             continue
         # Stage 4. The resistance is an energy, with the square of the reduction as relative error.
         tangent = solve_tangent(solved.punches, solved.forces, max(np.sqrt(EPS), tolerance))
-        overlaps, tensions = (negative, minima) if kind.is_slope else (minima, negative)
+        overlaps, tensions = kind.overlaps_and_tensions(minima, negative)
         resistance, strength = _resistance(solved, step, tangent)
         state = state._replace(steps=steps, corrections=corrections, attempts=guess.attempts)
         state = state._replace(resistance=resistance, tangent_strength=strength, edge_move=step.moves[:2].T)
@@ -200,10 +200,8 @@ def follow_contacts(surface: Surface, start: ContactState, load: float) -> Conta
 def load_limits(problem: ContactProblem, half_width: Array, tolerance: float) -> Limits:
     """Return the limits of a load for a relative tolerance of its residual."""
     scale = min(problem.load * problem.series.period, 1.0)  # A line load displaces by p L times a logarithm.
-    parts, width = 1, problem.series.period  # the bound takes the largest gap on contacts, which the load displaces
-    if problem.kind.is_slope:  # it is a sum over gaps, of pressures times their widths
-        parts, width = half_width.size, 2 * float(half_width.max())
-    wanted, displacement = tolerance * scale / parts, problem.load * width
+    wanted = tolerance * scale * problem.kind.share(half_width.size)
+    displacement = problem.load * problem.kind.rounded_width(problem.series.period, half_width)
     rounding = max(COMPLIANCE_ROUNDING * displacement, FIELD_ROUNDING * min(displacement, 1.0))
     target = max(TARGET * wanted, rounding)
     most = MAX_OVER_TARGET * target
@@ -277,10 +275,10 @@ def segment_corrections(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
     """Return segments to add, shape (added, 2), the ones that remain, and minima outside below a margin.
 
-    Segments are missing where the overlap, in g_0, exceeds the target, or the tension, in p_0*, its limit. A segment
-    with a negative interval is replaced by its remaining pieces. Contacts on both sides of a thin gap are merged.
+    Segments are missing where the overlap, in g_0, exceeds the target. A segment with a negative interval is replaced
+    by its remaining pieces. Contacts on both sides of a thin gap are merged.
     """
-    outside = MAX_TENSION * problem.load if problem.kind.is_slope else limits.target
+    outside = problem.kind.limit_outside(problem.load, limits.target, MAX_TENSION)
     missing, minima = find_missing(problem, step, outside, limits.margin, limits.opening)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
