@@ -5,7 +5,7 @@ import gc
 import os
 import sys
 
-STOPPED = "weier: stopped by Ctrl-C; files that were being written are as they were"
+STOPPED = "weier: stopped; each file is whole, or as it was before"
 
 
 def run() -> None:

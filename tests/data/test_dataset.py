@@ -45,7 +45,7 @@ def test_a_truncated_or_missing_file_is_refused_in_one_sentence(waves, tmp_path)
     path = tmp_path / "a.nc"
     dataset.write(waves, path, "test")
     path.write_bytes(path.read_bytes()[:5000])
-    with pytest.raises(ValueError, match=r"not a whole netCDF file .*, and weier made it, delete it"):
+    with pytest.raises(ValueError, match=r"not a whole netCDF file .*, and weier made it, move it away"):
         read(path)
     with pytest.raises(FileNotFoundError, match=r"there is no file .*none\.nc"):
         read(tmp_path / "none.nc")

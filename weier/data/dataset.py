@@ -159,7 +159,7 @@ def open_dataset(path: str | Path) -> xr.Dataset:
     except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # attributes raise too
         raise ValueError(
             f"{readable(str(path))} is not a whole netCDF file ({error}): close it in a program that still writes "
-            "it; if there is none, and weier made it, delete it and make it again"
+            "it; if there is none, and weier made it, move it away and make it again"
         ) from None
     groups = [group.to_dataset(inherit=False) for group in tree.subtree]
     data = xr.merge(groups, join="exact", compat="override", combine_attrs="override")

@@ -39,7 +39,7 @@ def _numba() -> tuple[Any, str]:
         cache_folder().mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=cache_folder()).close()
     except OSError as error:  # numba would cache code next to the sources, without a digest
-        warnings.warn(f"kernels are not kept ({error}): NUMBA_CACHE_DIR names a folder", RuntimeWarning, stacklevel=1)
+        warnings.warn(f"compiling for this run alone: {error}; see NUMBA_CACHE_DIR", RuntimeWarning, stacklevel=1)
         return numba, ""
     return numba, str(cache_folder())
 

@@ -206,7 +206,7 @@ def _field(key: TraceKey) -> Any:
 
 
 FILE = Field(
-    description="A text or instrument file, or a pattern such as lab/*.csv (files in natural order), or a list of "
+    description="A text file, or a pattern such as lab/*.csv (files in natural order), or a list of "
     "these, relative to the folder of the scene."
 )
 # Measured heights, as `weier.Trace.read` takes them.
