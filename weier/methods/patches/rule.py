@@ -103,9 +103,12 @@ def _self_influence_table(K: int, kind: Kind, inverse: bool) -> Array:
 
 def self_influence_tables(first_node: Indices, kind: Kind, inverse: bool) -> Array:
     """Return the tables X of all segments; the table of segment j begins at entry 3 first_node[j]."""
-    return np.concatenate(
-        [_self_influence_table(K, kind, inverse) for K in (first_node[1:] - first_node[:-1]).tolist()]
-    )
+    return _joined_tables(tuple((first_node[1:] - first_node[:-1]).tolist()), kind, inverse)
+
+
+@lru_cache(maxsize=256)
+def _joined_tables(node_counts: tuple[int, ...], kind: Kind, inverse: bool) -> Array:
+    return np.concatenate([_self_influence_table(K, kind, inverse) for K in node_counts])
 
 
 @kernel
