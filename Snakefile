@@ -102,7 +102,7 @@ rule solve:
         runtime=plan.minutes,
     params:
         run=command,
-        scenes=plan.files,
+        scenes=plan.folder,
         seconds=plan.seconds,
     message:
         "solve {wildcards.what}, {wildcards.share}, in about {params.seconds} s"
@@ -127,11 +127,11 @@ rule make:
         "rules/environment.yaml"
     params:
         run=command,
-        scene=lambda wildcards, output: plan.file(wildcards.scene),
+        scenes=plan.folder,
     message:
         "{wildcards.scene}: make {wildcards.what}"
     shell:
-        "{params.run} weier make {params.scene:q} results/curves {output:q} 2>&1 | tee -i {log:q}"
+        "{params.run} weier make {params.scenes:q}/{wildcards.scene}.yaml results/curves {output:q} 2>&1 | tee -i {log:q}"
 
 
 rule data:
@@ -150,7 +150,7 @@ rule data:
     shell:
         'made={input.folder:q}/$(basename {output.to} .png); test -d "$made" || {{ echo "weier: {output.to} was not made,'
         ' for the reason in results/logs/{wildcards.scene}/make"; exit 1; }};'
-        ' cp "$made"/*/* $(dirname {output.to}) 2>&1 | tee {log:q}'
+        ' {{ ln -f "$made/"*/* $(dirname {output.to}) 2>/dev/null || cp "$made/"*/* $(dirname {output.to}); }} 2>&1 | tee {log:q}'
 
 
 use rule data as figure with:

@@ -41,8 +41,9 @@ DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 def digest(values: Any) -> str:
-    """Return a digest of plain values."""
-    return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+    """Return a digest of plain values, of which arrays count as their bytes."""
+    plain = json.dumps(values, sort_keys=True, default=lambda array: hashlib.sha256(array.data).hexdigest())
+    return hashlib.sha256(plain.encode()).hexdigest()
 
 
 def numerics() -> str:

@@ -59,7 +59,7 @@ def test_every_example_of_the_help_runs(run, example, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("path", "why"),
     [
-        ("/dev/null/x.nc", "/dev/null is not a folder"),
+        ("/dev/null/x.nc", "Not a directory"),
         ("folder", "it is a folder"),
     ],
 )

@@ -128,7 +128,7 @@ def test_heat_has_its_own_unit_in_tables_and_figures(run, lines, tmp_path):
         (["a.csv", "long.csv", *PRESSURES], "got 1e-05 to 2e-05 m, two steps of each file by default: give 2e-05 m"),
         (["a.csv", "bad.csv", *PRESSURES], "bad.csv: "),
         (["a.csv", *PRESSURES, "--pressures", "1MPa", "-o", "c.png"], "a figure takes at least 2 loads, got 1"),
-        (["a.csv", *PRESSURES, "-o", "link.csv"], "a.csv is not a folder"),
+        (["a.csv", *PRESSURES, "-o", "link.csv"], "Not a directory"),
         (["a.csv", *PRESSURES, "-o", f"{'x' * 251}.csv"], "File name too long"),
         (["a.csv", *PRESSURES, "-o", f"{'x' * 250}.csv"], "File name too long"),  # of the temporary file
     ],

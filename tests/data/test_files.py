@@ -27,7 +27,7 @@ def test_a_text_makes_its_folder(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "why"), [("a", "it is a folder"), ("file/b", "file is not a folder"), ("pipe", "it is a device")]
+    ("name", "why"), [("a", "it is a folder"), ("file/b", "Not a directory"), ("pipe", "it is a device")]
 )
 def test_an_unwritable_file_is_reported_by_its_own_name(tmp_path, name, why):
     """The file beside it is nobody's concern."""

@@ -174,7 +174,7 @@ run()
 def test_jobs_that_are_stopped_keep_their_curves_and_the_next_one_solves_the_rest(tmp_path, ctrl_c):
     curves = curves_of(tmp_path, methods=["archard", "demelio"])
     store = [curves.store.numerics, curves.store.folder]
-    of = ["curves", "scene/all.products", "0-of-1", *store, tmp_path / "scene.yaml"]
+    of = ["curves", "scene/all.products", "0-of-1", *store, tmp_path]
     left = [sum(count(lacking(curves)).values())]
     for stop, seconds in ((signal.SIGKILL, 0), (signal.SIGTERM, 60), (signal.SIGINT, 60)):
         job = subprocess.Popen([sys.executable, "-c", SLOW, str(seconds), *of], stdout=-1, stderr=-1, text=True)

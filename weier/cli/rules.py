@@ -36,20 +36,19 @@ def compile(methods: Sequence[str]) -> None:
 @click.argument("share")
 @click.argument("numerics")
 @click.argument("folder", type=FILE)
-@click.argument("scenes", nargs=-1, type=FILE, required=True)
-def curves(what: str, share: str, numerics: str, folder: Path, scenes: Sequence[Path]) -> None:
-    """Solve a SHARE, such as 0-of-2, of the curves of SCENES that the store in FOLDER lacks.
+@click.argument("scenes", type=FILE)
+def curves(what: str, share: str, numerics: str, folder: Path, scenes: Path) -> None:
+    """Solve a SHARE, such as 0-of-2, of the curves that the store in FOLDER lacks.
 
-    WHAT names the products, and NUMERICS is the digest of the planning code. Curves in the store survive Ctrl-C,
-    SIGTERM and a kill.
+    WHAT names a product of scenes in the folder SCENES, and NUMERICS is the digest of the planning code. Curves in
+    the store survive Ctrl-C, SIGTERM and a kill.
     """
     from weier.pipeline.jobs import solve
     from weier.pipeline.needed_curves import Curves
     from weier.pipeline.workflow import missing
 
     store = Store(folder, numerics)
-    loaded = {path.stem: Curves(weier.load_scene(path), store) for path in scenes}
-    own = missing(what, loaded.__getitem__, share)
+    own = missing(what, lambda name: Curves(weier.load_scene(scenes / f"{name}.yaml"), store), share)
     click.echo(f"solve {sum(len(part.keys) for part in own)} curves", err=True)
     solve(own, store, origin(), lambda line: click.echo(line, err=True))
 
@@ -70,17 +69,16 @@ def make(scene_file: Path, store: Path, folder: Path) -> None:
 
     curves = Curves(weier.load_scene(scene_file), Store(store, numerics()))
     what = folder.name.rpartition(".")[0]
-    job, stamps = job_of(curves.scene, what, partial(stamp_of, curves, folder.parents[1]))
+    job, names = job_of(curves.scene, what, partial(stamp_of, curves, folder.parents[1]))
     if folder.name != job:
         raise ValueError(f"{scene_file.stem} or weier has changed since the plan: run snakemake again")
     unfinished = folder.with_name(f"{folder.name}.unfinished")  # FOLDER appears only as a whole
     shutil.rmtree(unfinished, ignore_errors=True)
     made = []
-    for stamp in stamps:
-        name = stamp.partition("/")[0]
+    for name in names:
         click.echo(f"make {scene_file.stem} {name}", err=True)
         try:
-            make_product(curves, name, unfinished / stamp)
+            make_product(curves, name, unfinished)
             made.append(name)
         except (OSError, ModuleNotFoundError):  # a full disk or a missing package stops all
             raise

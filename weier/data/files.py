@@ -53,9 +53,7 @@ def check_target(path: str | Path) -> None:
         reasons = {
             "it is a folder": path.is_dir(),
             "it is a device": path.exists() and not path.is_file(),  # a file would replace it
-            f"{folder} is not a folder": not folder.is_dir(),
             "netCDF needs a path in UTF-8": path.suffix == ".nc" and readable(str(path)) != str(path),
-            f"{folder} is closed to writing": not os.access(folder, os.W_OK),
         }
         if not any(reasons.values()):  # a temporary file of about the same name shows what else prevents writing
             NamedTemporaryFile(dir=folder, prefix=f".{target.name}.").close()

@@ -40,8 +40,8 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
             if not (sample := _sample(store.lacking(wanted), other)):
                 continue
             solve(sample, store, origin(), lambda line: None)
-            identical, within = np.all([_compared(part, store, other) for part in sample], axis=0).tolist()
-            accepted = identical or (within_errors and within)
+            identical = all(_agree(part, store, other) for part in sample)
+            accepted = identical or (within_errors and all(_agree(part, store, other, True) for part in sample))
             for path in folder.glob(f"[!.]*{SUFFIX}") if accepted else ():
                 with replacing(store.segments(name) / path.name) as temporary:
                     temporary.write_bytes(path.read_bytes())
@@ -49,7 +49,7 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
             record = {"curves": other.numerics, "code": store.numerics, "compared": count, "identical": identical}
             write_text(store.segments(name) / RECORD, json.dumps(record | {"adopted": accepted}, indent=1) + "\n")
             store = Store(store.folder, store.numerics)  # a new store reads the copies
-            agree = "the same bits" if identical else "within the stated errors" if within else "they differ"
+            agree = "the same bits" if identical else "within the stated errors" if accepted else "they differ"
             verdict = "adopted" if accepted else "not adopted"
             say(f"{name} of {other.numerics}: {count} curves solved again, {agree}: {verdict}")
             compared += 1
@@ -63,17 +63,15 @@ def _sample(lacking: Iterable[Part], other: Store) -> list[Part]:
     return [part.only(np.arange(0, len(part.keys), step)) for part in solved if len(part.keys)]
 
 
-def _compared(part: Part, store: Store, other: Store) -> tuple[bool, bool]:
-    """Return whether all values of some curves are the same in two stores, and whether they are within errors."""
+def _agree(part: Part, store: Store, other: Store, within_errors: bool = False) -> bool:
+    """Return whether two stores have the same values of some curves, or h and R that agree within their errors."""
 
     def both(name: str) -> list[Any]:
         return [each.read(part.kind, each.rows(part.kind, part.keys), name) for each in (store, other)]
 
-    same = {name: _same(*both(name)) for name in VARIABLES if name not in NOT_COMPARED}
-    # Surfaces have no stated errors.
-    within = part.kind.method != SURFACE and same["status"]
-    within &= all(same[name] or _within(both(name), both(f"{name}_error")) for name in QUANTITIES)
-    return all(same.values()), within or all(same.values())
+    if within_errors and part.kind.method != SURFACE:  # surfaces have no stated errors
+        return _same(*both("status")) and all(_within(*both(name), *both(f"{name}_error")) for name in QUANTITIES)
+    return all(_same(*both(name)) for name in VARIABLES if name not in NOT_COMPARED)
 
 
 def _same(new: Any, old: Any) -> bool:
@@ -85,10 +83,8 @@ def _same(new: Any, old: Any) -> bool:
     return np.array_equal(new, old, equal_nan=True)
 
 
-def _within(values: list[Any], errors: list[Any]) -> bool:
-    """Return whether values differ by at most the sum of their stated errors; NaN is NaN in both."""
-    if any(one is None for one in (*values, *errors)):
-        return False
-    new, old = values
-    close = np.abs(new - old) <= np.sum(errors, axis=0)
-    return bool((close | (np.isnan(new) & np.isnan(old))).all())
+def _within(new: Any, old: Any, *errors: Any) -> bool:
+    """Return whether values are the same, or differ by at most the sum of their stated errors; NaN is NaN in both."""
+    if _same(new, old) or any(one is None for one in (new, old, *errors)):
+        return _same(new, old)
+    return bool(np.isclose(new, old, rtol=0, atol=np.nan_to_num(np.sum(errors, axis=0)), equal_nan=True).all())

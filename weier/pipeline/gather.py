@@ -9,7 +9,6 @@ import json
 import warnings
 from collections.abc import Collection, Iterable
 from functools import cached_property
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -41,8 +40,9 @@ class Solved:
     def __init__(self, curves: Curves, cases: Indices | None = None) -> None:
         self.scene, self._store = curves.scene, curves.store
         self.cases = np.arange(self.scene.count) if cases is None else cases
-        self._surfaces, self._parts = ([*self._among(parts)] for parts in (curves.surfaces, curves.parts))
-        self.methods = list(dict.fromkeys(part.kind.method for part, *_ in self._parts))
+        self._surfaces, found = ([*self._among(parts)] for parts in (curves.surfaces, curves.parts))
+        self.methods = list(dict.fromkeys(part.kind.method for part, *_ in found))
+        self._parts = sorted(found, key=lambda own: self.methods.index(own[0].kind.method))
         loads = {id(part.product): part.product.loads for part, *_ in self._surfaces}
         self.loads = np.unique(np.concatenate([*loads.values()]))
 
@@ -80,25 +80,18 @@ class Solved:
         """Return a variable of the table, shape (cases, ...) or (cases, methods, ...)."""
         if name == "key":
             return np.array(short_keys(self.scene.keys_of_cases[self.cases]), object)
-        parts = [[own for own in self._parts if own[0].kind.method == method] for method in self.methods]
-        if "solution_method" in VARIABLES[name].dims:
-            return np.stack([self._joined(name, own) for own in parts], axis=1)
-        # the last method of a case provides its edges
-        return self._joined(name, chain(*parts) if "edge" in VARIABLES[name].dims else self._surfaces)
-
-    def _joined(self, name: str, parts: Iterable[Own]) -> Values:
-        """Combine the values of some parts into an array of all rows, shape (cases, ...)."""
-        found = [(rows, self._read(name, part, stored)) for part, rows, stored in parts]
-        solved = [(rows, values) for rows, values in found if values is not None]
+        dims = VARIABLES[name].dims
+        by_method = "solution_method" in dims
+        found = list[tuple[tuple[Any, ...], Values]]()
+        for part, rows, stored in self._parts if by_method or "edge" in dims else self._surfaces:
+            if (values := self._read(name, part, stored)) is not None:
+                found.append(((rows, self.methods.index(part.kind.method)) if by_method else (rows,), values))
         sizes = {LOADS: self.loads.size, "term": 1}
-        own = [sizes.get(dim, 0) for dim in VARIABLES[name].dims if dim not in (CASE, "solution_method")]
-        shape = np.max([own, *(values.shape[1:] for _, values in solved)], axis=0).astype(int)
-        if [values.shape for _, values in solved] == [(len(self.cases), *shape)]:  # one part has all rows: no copy
-            return solved[0][1].astype(variables.blank(name, (0, *shape)).dtype, copy=False)
-        joined = variables.blank(name, (len(self.cases), *shape))
-        for rows, values in solved:
-            within: tuple[Any, ...] = (rows, *map(slice, values.shape[1:]))
-            joined[within] = values
+        own = [sizes.get(dim, 0) for dim in dims if dim not in (CASE, "solution_method")]
+        shape = np.max([own, *(values.shape[1:] for _, values in found)], axis=0).astype(int)
+        joined = variables.blank(name, (len(self.cases), *[len(self.methods)] * by_method, *shape))
+        for place, values in found:  # the last method of a case provides its edges
+            joined[(*place, *map(slice, values.shape[1:]))] = values
         return joined
 
     def _read(self, name: str, part: Part, stored: Indices) -> Values | None:
@@ -166,10 +159,9 @@ def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
     """Return data of a scene in SI units, with its bodies as attributes, if its loads are in Pa."""
     if not scene.in_si or scene.interface is None:
         return data
-    own = {name: value for name, value in vars(scene.interface).items() if value is not None}
     with warnings.catch_warnings():  # `write` warns of yield once
         warnings.simplefilter("ignore")
-        return scene.interface.in_si(data).drop_attrs(deep=False).assign_attrs(own)
+        return scene.interface.in_si(data).drop_attrs(deep=False).assign_attrs(scene.interface.given)
 
 
 def case_labels(scene: Scene) -> xr.Dataset:

@@ -17,7 +17,7 @@ from weier.scene.case import Case
 
 # Seconds of work lost if a job is killed (an append takes 0.02 s), and a number of rows that fits into memory.
 APPEND_SECONDS, MAX_ROWS = 10.0, 50_000
-CHANGED = "the code of weier has changed since {}: run snakemake again, which plans with the new code"
+CHANGED = "the code of weier has changed since the plan: run snakemake again, which plans with the new code"
 
 
 def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str], None]) -> None:
@@ -27,14 +27,14 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
     curves by code. An error of a curve is raised once all others are solved.
     """
     work = list(parts)
-    check_code(store, "the plan")
+    check_code(store)
     count = sum(len(part.keys) for part in work)
     progress = Progress(count, counted(count, "curve"), APPEND_SECONDS, say)
     rows: dict[np.uint64, Mapping[str, Any]] = {}
 
     def append(kind: Kind) -> None:
         if rows:
-            check_code(store, "this job began")
+            check_code(store)
             store.append(kind, rows, origin)
             rows.clear()
 
@@ -56,10 +56,10 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
         raise failed[0]
 
 
-def check_code(store: Store, since: str) -> None:
+def check_code(store: Store) -> None:
     """Raise ValueError if the code on disk has other numerics than the store."""
     if numerics() != store.numerics:
-        raise ValueError(CHANGED.format(since))
+        raise ValueError(CHANGED)
 
 
 def _row(kind: Kind, case: Case, say: Callable[[str], None]) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from weier.methods.method import CURVE_SECONDS
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.scene.cases import Scene
-from weier.scene.identity import Keys, digest_of_keys, distinct
+from weier.scene.identity import Keys, distinct
 from weier.scene.study import CaseProduct
 from weier.theory.conduction import full_contact_pressure
 
@@ -51,11 +51,6 @@ class Kind:
     def name(self) -> str:
         """The name of its folder."""
         return f"{self.method}-{digest(asdict(self))[:DIGITS]}"
-
-    @property
-    def uses_phases(self) -> bool:
-        """Whether its curves depend on phases."""
-        return self.method == SURFACE or find_method(self.method).uses_phases
 
     def curve_of(self, surface: Any) -> CurveTask:
         """Return the curve of a surface, with its loads in p_0*."""
@@ -98,8 +93,8 @@ class Part:
     @cached_property
     def keys(self) -> Keys:
         """The key of each curve within its kind."""
-        own = self.product.surface_keys if self.kind.uses_phases else self.product.keys_without_phases
-        return own[self.positions]
+        uses_phases = self.kind.method == SURFACE or find_method(self.kind.method).uses_phases
+        return (self.product.surface_keys if uses_phases else self.product.keys_without_phases)[self.positions]
 
     @cached_property
     def seconds(self) -> Array:
@@ -135,11 +130,6 @@ def share(wanted: Iterable[Part], number: int, count: int) -> list[Part]:
     own[np.lexsort((keys, -seconds))[number::count]] = True
     ends = np.cumsum([len(part.keys) for part in parts])
     return [part.only(mine) for part, mine in zip(parts, np.split(own, ends[:-1]), strict=True)]
-
-
-def digest_of_curves(parts: Iterable[Part]) -> str:
-    """Return a digest of curves in their order."""
-    return digest([[part.kind.name, digest_of_keys(part.keys)] for part in parts])
 
 
 class Curves:

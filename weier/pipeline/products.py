@@ -1,22 +1,21 @@
 """The products of a scene, and the stamps that tell what each product was made from.
 
-`results/SCENE/.made_of/JOB/PRODUCT/DIGEST` is a stamp: a folder with the files of the product as they were made. Its
-name is the digest of the curves that the product reads, its entry in the scene and the code that makes it, and JOB is
-named by the stamps that it makes, so that Snakemake only has to make missing folders of jobs.
+`results/SCENE/.made_of/JOB/PRODUCT/DIGEST.SUM` is a stamp: a folder with the files of the product, which are linked
+to their places. DIGEST is that of the curves that the product reads, of its entry in the scene and of the code that
+makes it, SUM is that of its files, and JOB is named by what it makes: Snakemake only has to make missing folders.
 """
 
 from __future__ import annotations
 
-import filecmp
+import hashlib
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from weier.data.provenance import source_date
 from weier.digests import DIGITS, digest, digest_of_modules, numerics
-from weier.pipeline.needed_curves import Curves, digest_of_curves
+from weier.pipeline.needed_curves import Curves
 from weier.scene.cases import Scene
-from weier.scene.identity import digest_of_keys
 
 # Products of a scene other than figures: the dataset with the claims, and the explorer. Figure names have no dot.
 DATA, CLAIMS, PAGE = "contact.nc", "claims.md", "page.html"
@@ -47,8 +46,8 @@ def made_of(curves: Curves, product: str) -> str:
     """Return a digest of everything that a product depends on."""
     scene = curves.scene
     studies = studies_of(scene, product)
-    cases = [[name, [digest_of_keys(part.case_keys) for part in scene.studies[name].products]] for name in studies]
-    wanted = digest_of_curves(curves.parts_for(studies))
+    cases = [[name, [product.case_keys for product in scene.studies[name].products]] for name in studies]
+    wanted = [[part.kind.name, part.keys] for part in curves.parts_for(studies)]
     common = [scene.name, product, numerics(), digest_of_modules(*ROOMS), cases, wanted]
     if product == DATA:  # SOURCE_DATE_EPOCH replaces the date and omits the seconds
         own = [scene.text, source_date()]
@@ -58,32 +57,37 @@ def made_of(curves: Curves, product: str) -> str:
 
 
 def stamp_of(curves: Curves, folder: Path, product: str) -> tuple[str, bool]:
-    """Return the stamp of a product in the folder of its scene, and whether the product is fresh.
+    """Return the stamp of a product in the folder of its scene, JOB/PRODUCT/DIGEST.SUM, and whether it is fresh.
 
-    It is fresh if its files are those in the stamp JOB/PRODUCT/DIGEST, whatever their dates. Otherwise, the stamp is
-    the PRODUCT/DIGEST to make, with another name than those of stamps with other files.
+    It is fresh if its files have this sum, whatever their dates. Otherwise, a text names what is to be made: another
+    one than for earlier jobs, whose files have been edited.
     """
     stamps, wanted = folder / STAMPS, f"{product}/{made_of(curves, product)}"
-    known = sorted(path.relative_to(stamps).as_posix() for path in stamps.glob(f"*/{wanted}*"))
-    files = [folder / file for file in files_of(product)]
-    for stamp in known:
-        if all(_same(file, stamps / stamp / file.name) for file in files):
-            return stamp, True
-    edited = f".{digest(known)[:DIGITS]}" if known else ""
-    return f"{wanted}{edited}", False
+    known = sorted(path.relative_to(stamps).as_posix() for path in stamps.glob(f"*/{wanted}.*"))
+    own = sum_of(folder / file for file in files_of(product)) if known else ""
+    fresh = [stamp for stamp in known if stamp.endswith(f".{own}")]
+    return (fresh[0], True) if fresh else (f"{wanted}{known}", False)
 
 
-def _same(file: Path, other: Path) -> bool:
-    return file.is_file() and other.is_file() and filecmp.cmp(file, other, shallow=False)
+def sum_of(files: Iterable[Path]) -> str:
+    """Return a digest of the contents of some files, of which one may be missing."""
+    sums = list[str]()
+    for file in files:
+        if not file.is_file():
+            return "missing"
+        with file.open("rb") as content:
+            sums.append(hashlib.file_digest(content, "sha256").hexdigest())
+    return digest(sums)[:DIGITS]
 
 
 def job_of(scene: Scene, what: str, stamp: Callable[[str], tuple[str, bool]]) -> tuple[str, list[str]]:
-    """Return the name of the job that makes the missing stamps of a product, or of ALL, and these stamps.
+    """Return the name of the job that makes a product, or ALL outdated ones, and their names.
 
     `stamp` returns what `stamp_of` returns for a product.
     """
-    missing = [name for name, fresh in map(stamp, names_of(scene) if what == ALL else [what]) if not fresh]
-    return f"{what}.{digest(missing)[:DIGITS]}", missing
+    found = {name: stamp(name) for name in (names_of(scene) if what == ALL else [what])}
+    outdated = {name: stamp for name, (stamp, fresh) in found.items() if not fresh}
+    return f"{what}.{digest(outdated)[:DIGITS]}", [*outdated]
 
 
 def remove_older(job: Path, product: str) -> None:

@@ -14,11 +14,11 @@ from typing import Any, TypeVar
 
 from weier.checks import checked_word, shown
 from weier.data.files import check_target
-from weier.digests import DIGITS, numerics
+from weier.digests import DIGITS, digest, numerics
 from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
 from weier.pipeline import products
-from weier.pipeline.needed_curves import SURFACE, Curves, Part, digest_of_curves, share
+from weier.pipeline.needed_curves import SURFACE, Curves, Part, share
 from weier.pipeline.products import ALL
 from weier.pipeline.store import Store
 from weier.scene import Scene
@@ -55,14 +55,12 @@ class Plan:
     """
 
     def __init__(self, names: Sequence[str], load: Callable[[str, str], Scene], folder: str, slots: int) -> None:
-        self.names, self.slots, self.numerics, self._makes_all = names, slots, numerics(), False
+        self.names, self.folder, self.slots, self.numerics, self._makes_all = names, folder, slots, numerics(), False
         store = Store(RESULTS / "curves", self.numerics)
-        self.file = f"{folder}/{{}}.yaml".format  # of a scene
         self.scene = once(lambda name: load(name, folder))
         self.curves = once(lambda name: Curves(self.scene(name), store))
         self.missing = once(lambda what: missing(what, self.curves))
         self.stamp = once(lambda name, product: products.stamp_of(self.curves(name), RESULTS / name, product))
-        self.new_job = once(lambda name, what: products.job_of(self.scene(name), what, partial(self.stamp, name))[0])
 
     # --- products ---
 
@@ -85,13 +83,13 @@ class Plan:
         stamp, fresh = self.stamp(name, product)
         if not fresh:
             what = ALL if self._makes_all and name in self.names else product
-            stamp = self.new_job(name, what)
-        return str(RESULTS / name / products.STAMPS / Path(stamp).parts[0]), fresh
+            stamp, _ = products.job_of(self.scene(name), what, partial(self.stamp, name))
+        return str(RESULTS / name / products.STAMPS / stamp.partition("/")[0]), fresh
 
     def made_of(self, wildcards: Any, product: str, ancient: Callable[[str], Any]) -> dict[str, Any]:
         """Return the folder of the job that makes a product, and the file of its scene; `ancient` if it is fresh."""
         folder, fresh = self.job(wildcards.scene, product.format(**wildcards))
-        files = {"folder": folder, "scene": self.file(wildcards.scene)}
+        files = {"folder": folder, "scene": f"{self.folder}/{wildcards.scene}.yaml"}
         return {name: ancient(file) for name, file in files.items()} if fresh else files
 
     @property
@@ -112,12 +110,9 @@ class Plan:
         parts = self.missing(what)
         curves, seconds = sum(len(part.keys) for part in parts), _seconds(parts)
         count = min(self.slots, curves, 1 + int(seconds / JOB_SECONDS))
-        folder = RESULTS / "curves" / ".solved" / what / self.numerics / digest_of_curves(parts)[:DIGITS]
+        own = digest([[part.kind.name, part.keys] for part in parts])[:DIGITS]
+        folder = RESULTS / "curves" / ".solved" / what / self.numerics / own
         return [str(folder / f"{number}-of-{count}") for number in range(count)]
-
-    def files(self, wildcards: Any, output: Any) -> list[str]:
-        """Return the files of the scenes of a job of curves."""
-        return list(map(self.file, wildcards.what.split("/")[:-1]))
 
     def seconds(self, wildcards: Any, output: Any = None) -> int:
         """Return the expected seconds of a job of curves."""
@@ -140,8 +135,8 @@ class Plan:
         except OSError:
             return []
         named = {part.kind.method for part in self.missing(wildcards.what)} - {SURFACE}
-        methods = {method.name: method for name in named for method in methods_run_by(name) if method.numerical}
-        return sorted(kernels_file(share) for method in methods.values() for share in method.kernels)
+        methods = (method for name in named for method in methods_run_by(name) if method.numerical)
+        return sorted({kernels_file(share) for method in methods for share in method.kernels})
 
 
 def _seconds(parts: Iterable[Part]) -> float:

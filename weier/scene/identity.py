@@ -6,7 +6,6 @@ a probability of n^2/2^65, 3e-8 for a million, since digests are as good as rand
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable
 from typing import Any, TypeAlias
 
@@ -29,11 +28,6 @@ def short_keys(keys: Keys) -> list[str]:
     """Return keys as files have them: the first 12 of 16 hexadecimal digits."""
     text = np.ascontiguousarray(keys, WORD).tobytes().hex()
     return [text[start : start + 12] for start in range(0, len(text), 16)]
-
-
-def digest_of_keys(keys: Keys) -> str:
-    """Return a digest of keys in their order, ten times faster than a digest of their hexadecimal digits."""
-    return hashlib.sha256(np.ascontiguousarray(keys, WORD).data).hexdigest()
 
 
 def distinct(keys: Keys) -> tuple[Indices, Indices]:
