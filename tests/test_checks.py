@@ -44,7 +44,6 @@ def contact():
 SOUND = {
     "profile": PROFILE,
     "surface": PROFILE,
-    "subject": PROFILE,
     "mean_pressure": [0.1, 1.0],
     "D": 1.25,
     "gamma": 5,
@@ -200,7 +199,7 @@ anything = st.none() | never | arrays_of_none | numbers | st.just(PROFILE) | st.
 
 NAMES = {"method", "quantity", "study", "path", "source", "ends", "detrend"}
 UNITS = {"unit", "x_unit", "height_unit"}
-NOT_NUMBERS = {"profile", "surface", "subject", "trace", "data", "contact_edges", *NAMES, *UNITS}
+NOT_NUMBERS = {"profile", "surface", "trace", "data", "contact_edges", *NAMES, *UNITS}
 TEXT_TOO = {"gamma"}
 TEXTS = {"compliance", "resistance"}  # that settings with a text as their default take
 NONE_TOO = {

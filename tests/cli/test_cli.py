@@ -67,11 +67,10 @@ def test_every_example_of_the_help_runs(run, example, tmp_path, monkeypatch):
 def test_an_impossible_file_is_reported_before_anything_is_solved(run, tmp_path, monkeypatch, command, path, why):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder").mkdir()
-    (tmp_path / "file").touch()
     code, out, err = run(*command, path)
     assert (code, out) == (1, "")
     assert re.fullmatch(rf"weier: .* cannot be written \(.*{why}\): name another file, .*\n", err)
-    assert {path.name for path in tmp_path.iterdir()} == {"folder", "file"}
+    assert {path.name for path in tmp_path.iterdir()} == {"folder"}
 
 
 def test_ctrl_c_ends_a_command_in_a_line_with_the_exit_code_of_shells(monkeypatch, capsys):
@@ -102,8 +101,6 @@ WRONG_USAGE = [
     (["plot", *PROFILE, "--loads", "1", "x.png"], "a figure takes at least 2 loads, got 1"),
     (["plot", *PROFILE, "x.txt"], "the name must end in one of .pdf, .svg, .png, got x.txt"),
     ([*SOLVE, "--pressures", "1MPa"], "--pressures are in Pa: name the two bodies by --si"),
-    ([*SOLVE, "--workers", "two"], "'two' is not a valid integer"),
-    ([*SOLVE, "--seed", "1.5"], "'1.5' is not a valid integer"),
 ]
 
 
@@ -118,10 +115,8 @@ BAD_INPUT = [
     ([*SOLVE, "--loads", "-1"], "loads must be positive, got -1.0"),
     ([*SOLVE, "--loads", ""], 'loads must read "1,10 p_0*" or "first:last:count p_0*", got \'\''),
     ([*SOLVE, "--tolerance", "0"], "tolerance of auto must lie in [1e-13, 1), got 0.0"),
-    ([*SOLVE, "--seed", "-1"], "seed must be a non-negative integer, got -1"),
     ([*SOLVE, "--workers", "0"], "workers must be a whole number, at least 1, or -1 for all cores, got 0"),
     ([*SOLVE, "--phases", "1", "--seed", "1"], "phases must be left out where there is a seed, got 1.0"),
-    (["solve", "-D", "2.5", "--gamma", "5", "-m", "2"], "D must lie in (1, 2), got 2.5"),
     (["solve", "-D", "1.25", "--gamma", "1.4142135", "-m", "3"], "no curve could be solved, for the reasons above"),
     (
         ["solve", "-D", "1.25", "--gamma", "5", "-m", "inf"],

@@ -126,7 +126,7 @@ def test_heat_has_its_own_unit_in_tables_and_figures(run, lines, tmp_path):
         (["a.csv", *PRESSURES, "-o", "b.csv"], "b.csv exists: name another file, or overwrite it by --force"),
         (["a.csv", "b.csv", *PRESSURES, "-o", "./b.csv", "--force"], "b.csv is one of FILES: name another output"),
         (["a.csv", "long.csv", *PRESSURES], "got 1e-05 to 2e-05 m, two steps of each file by default: give 2e-05 m"),
-        (["a.csv", "bad.csv", *PRESSURES], "bad.csv: "),
+        (["a.csv", "bad.csv", *PRESSURES], "bad.csv, line 2, "),
         (["a.csv", *PRESSURES, "--pressures", "1MPa", "-o", "c.png"], "a figure takes at least 2 loads, got 1"),
         (["a.csv", *PRESSURES, "-o", "link.csv"], "Not a directory"),
         (["a.csv", *PRESSURES, "-o", f"{'x' * 251}.csv"], "File name too long"),

@@ -18,7 +18,7 @@ from weier.pipeline.gather import read_study
 
 SCENE = """
 title: Small
-loads: [0.02, 0.3, 1.5]
+loads: [0.01, 0.3, 1.5]
 methods: [archard, demelio, bem, patches]
 settings: {bem: {points_per_wave: 16}}
 contact_edges: true

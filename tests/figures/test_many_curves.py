@@ -65,9 +65,19 @@ def test_a_figure_that_names_no_parameter_takes_medians_over_the_phases_alone(sw
         sketch(sweep)
     longer = xr.concat([sweep.isel(case=slice(0, SEEDS)), sweep.isel(case=slice(0, SEEDS))], "case")
     (axes,) = sketch(longer.isel(solution_method=[0])).axes
+    assert axes.get_title() == r"$D=1.25$,  $\gamma=2$,  $m=3$"  # the legend names the method
     assert len(axes.get_lines()) == len(axes.collections) == 1
     labels = [text.get_text() for text in axes.get_legend().get_texts()]
     assert labels == ["Demelio", "line: median over phases", "band: 10 to 90 % of 8"]
+
+
+def test_a_median_takes_common_loads_and_a_legend_what_is_seen(sweep: xr.Dataset, monkeypatch) -> None:
+    other = sweep.assign_coords(mean_pressure=2 * LOADS)
+    with pytest.raises(ValueError, match="takes curves under the same loads"):
+        many_curves.draw([sweep, other], "", "compliance", Grouping("gamma", median_over=("seed",)))
+    monkeypatch.setattr(many_curves.style, "MAX_GRID", 1)
+    figure = sketch(sweep, colour="gamma", facet=("gamma",), median_over=("seed",))
+    assert words(figure)[:2] == [r"$\gamma=2$", "Demelio"]
 
 
 def test_a_scene_may_set_the_scale_of_loads(sweep) -> None:

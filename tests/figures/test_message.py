@@ -39,3 +39,11 @@ def test_lines_bands_and_bars_are_medians_percentiles_and_bounds(study):
     bars = resistance.containers[0].lines[2][0].get_segments()[0]
     assert bars[:, 1].tolist() == [2, 9]
     assert [text.get_text() for text in area.figure.legends[0].get_texts()][3] == "10 to 90 % of 5 phases"
+
+
+def test_a_load_that_was_not_solved_is_not_drawn(study):
+    figure = message.draw([study.assign_coords(mean_pressure=[0.01, 0.02, 0.3, 0.9])], "")
+    assert {line.get_label()[:8] for line in figure.axes[0].get_lines()} == {"p = 0.01"}
+    assert "0.1" not in figure.legends[0].get_texts()[1].get_text()
+    with pytest.raises(ValueError, match="no numerical curves at loads"):
+        message.draw([study.assign_coords(mean_pressure=2 * LOADS)], "")

@@ -21,7 +21,6 @@ PAPER = (
     "M. Ciavarella, G. Murolo, G. Demelio, J. R. Barber, Elastic contact stiffness and contact resistance for the "
     "Weierstrass profile, J. Mech. Phys. Solids 52 (2004) 1247-1265, doi:10.1016/j.jmps.2003.12.002"
 )
-DEVELOPERS = "The weier developers"
 VERSION = "0.1.0"
 
 # The attributes that all files have in common.
@@ -32,15 +31,11 @@ FIXED = {
     "summary": "Elastic compliance and electrical contact resistance against mean pressure of Weierstrass or "
     "measured profiles pressed on a plane: closed-form estimates, numerical solutions, and bounds, by method.",
     "keywords": "contact mechanics, contact resistance, contact stiffness, rough surface, Weierstrass profile",
-    "project": "weier",
     "references": PAPER,
     "license": "MIT",
-    "institution": DEVELOPERS,
-    "creator_name": DEVELOPERS,
-    "creator_type": "group",
+    "creator_name": "The weier developers",
     "program": "weier",
     "product_version": VERSION,
-    "metadata_link": "https://doi.org/10.1016/j.jmps.2003.12.002",
 }
 
 
@@ -51,10 +46,8 @@ def attributes(title: str, step: str, scene: str = "", in_si: bool = False) -> d
         "title": title,
         "source": f"numerical model: {origin()}",
         "history": f"{step} by weier {VERSION}",
-        "processing_level": step,
         "git_commit": commit() or "unknown: not run from a checkout",
         "date_created": date,
-        "date_modified": date,
     }
     units = {} if in_si else {"normalisation": NORMALISED}
     return FIXED | units | changing | ({"scene": scene} if scene else {})

@@ -21,10 +21,10 @@ from matplotlib.patches import Patch
 
 from weier.data.bodies import Bodies
 from weier.figures import style
-from weier.figures.tables import Values, extent, refined_loads, smooth_compliance, table_of
+from weier.figures.tables import Values, common_loads, extent, refined_loads, smooth_compliance, table_of
 from weier.figures.values import band, line
 from weier.kernels.arrays import Array
-from weier.methods.curve import COMPLIANCE, QUANTITIES
+from weier.methods.curve import COMPLIANCE
 from weier.methods.registry import names, numerical_names
 from weier.scene import BY_DEFAULT, Grouping
 from weier.scene.figure import EACH_CASE
@@ -100,8 +100,9 @@ def draw(
     title, shown = style.limit_panels(title, list(itertools.product(*facet_values)), noun, style.MAX_GRID)
     labels = style.labels_of(interface, unit_of(studies[0]["mean_pressure"]))
     figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], *map(len, facet_values[1:]))
+    in_legend = ("method",) * (grouping.colour in ("", "method"))
     names = [name for name in ("method", *SURFACES, "seed") if table[name].nunique(dropna=False) == 1]
-    alike = {name: table[name].iloc[0] for name in names if name not in grouping.facet}
+    alike = {name: table[name].iloc[0] for name in names if name not in (*grouping.facet, *in_legend)}
     in_panels = grouping.facet == EACH_CASE.facet
     shared = "" if in_panels else _join(_label(drawn, name, value) for name, value in alike.items() if value != "")
     bands: dict[str, Patch] = {}
@@ -117,7 +118,8 @@ def draw(
             bands |= {curve.method: band for curve in members if (band := _draw_errors(axes, curve, quantity))}
         own = _join(_label(drawn, *parameter) for parameter in zip(grouping.facet, value, strict=True))
         style.name_panel(axes, number, len(shown), own if len(shown) > 1 else _join([own, shared]))
-    _add_legend(figure, panels, _legend(drawn, grouping) + list(bands.values()))
+    seen = [curve for curve in drawn if tuple(curve.first[name] for name in grouping.facet) in shown]
+    _add_legend(figure, panels, _legend(seen, drawn, grouping) + list(bands.values()))
     for axes in panels:
         axes.autoscale()
         if interface:  # the power of ten of an axis is next to the title
@@ -164,7 +166,7 @@ def _reduced(same: pd.DataFrame, tables: Sequence[Values], quantity: str, groupi
 def _reduce(same: pd.DataFrame, tables: Sequence[Values], quantity: str) -> tuple[Array, Array]:
     """Return loads, and the line and both ends of the band there, shape (3, loads)."""
     parts = [(tables[study], part["row"], part["column"]) for study, part in same.groupby("study", sort=False)]
-    loads = parts[0][0].loads
+    loads = common_loads([own for own, _, _ in parts])
     values = np.concatenate([own.values[rows, columns] for own, rows, columns in parts])
     slope = np.concatenate([own.slope[rows, columns] for own, rows, columns in parts])
     if quantity != COMPLIANCE or not (smooth := smooth_compliance(loads, values, slope)):
@@ -255,10 +257,8 @@ def _differing(same: pd.DataFrame) -> list[str]:
 
 def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None:
     """Draw the stated errors of a method as a band; returns its legend entry, or None if the band is invisible."""
-    if quantity not in QUANTITIES:
-        return None
     own, place = curve.own, (curve.first["row"], curve.first["column"])
-    if own.stated is None or not np.isfinite(own.stated[place]).any():
+    if quantity not in VISIBLE or own.stated is None or not np.isfinite(own.stated[place]).any():
         return None
     stated, values = own.stated[place], own.values[place]
     width = np.where(np.isfinite(stated) & (values > 0), stated, 0.0)
@@ -272,21 +272,21 @@ def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None
     return Patch(color=look["color"], label=name, **ERROR_STYLE)
 
 
-def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
-    """Return legend entries for colours, dashes and bands."""
+def _legend(seen: Sequence[PlottedCurve], drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
+    """Return legend entries for colours, dashes and bands of the curves seen, which have the looks of all."""
     colour, by_dash = grouping.colour or "method", _by_dash(drawn, grouping)
     handles: list[Any] = []
-    for value in _values(drawn, colour):
-        first = next(curve for curve in drawn if curve.first[colour] == value)
+    for value in _values(seen, colour):
+        first = next(curve for curve in seen if curve.first[colour] == value)
         look = _look(first, drawn, grouping)
         own = {"color": look["color"]} if by_dash else look
         handles.append(Line2D([], [], **{**own, "label": _label(drawn, colour, value), "markevery": None}))
     if by_dash:
-        looks = {curve.method: _look(curve, drawn, grouping) for curve in drawn}
+        looks = {curve.method: _look(curve, drawn, grouping) for curve in seen}
         handles += [Line2D([], [], **look | {"color": style.GREY, "markevery": None}) for look in looks.values()]
     if grouping.median_over:
         over = dict.fromkeys(NOUNS.get(name) or f"${style.symbol(name)}$" for name in grouping.median_over)
-        counts = sorted({curve.members for curve in drawn})
+        counts = sorted({curve.members for curve in seen})
         number = " to ".join(map(str, dict.fromkeys([counts[0], counts[-1]])))
         handles += [
             Line2D([], [], color=style.GREY, label=f"line: median over {' and '.join(over)}"),

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from weier.data import curves
+from weier.data.ensembles import CLOSE
 from weier.figures import style
 from weier.figures.values import band, keep, line
 from weier.methods import cascade, persson
@@ -33,7 +34,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Draw contact fraction and resistance over the number of terms: a column of panels for each D and gamma."""
     table = pd.concat([_table(study, load) for study in studies for load in STYLES])
     if table.empty:
-        raise ValueError("there are no numerical curves to draw in these studies")
+        raise ValueError("there are no numerical curves at loads of 0.01, 0.1 or 1 p_0* in these studies")
     title, shown = style.limit_panels(title, list(table.groupby(["D", "gamma"])), "series", most=3)
     figure = Figure(figsize=(WIDTH * len(shown), HEIGHT * len(QUANTITIES)), layout="constrained")
     grid = figure.subplots(len(QUANTITIES), len(shown), squeeze=False, sharex=True, sharey="row")
@@ -52,10 +53,10 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _table(study: xr.Dataset, load: float) -> pd.DataFrame:
-    """Return the values by the most accurate method, at the load closest to a given one, of the cases it solved."""
+    """Return the values by the most accurate method at a load, if the study has it, of the cases that it solved."""
     solved, best = curves.most_accurate(study)
-    rows = np.flatnonzero(solved & np.isfinite(study["m"].values))
-    column = int(np.argmin(np.abs(np.log(study["mean_pressure"].values / load))))
+    off = np.abs(np.log(study["mean_pressure"].values / load))
+    rows, column = np.flatnonzero(solved & np.isfinite(study["m"].values) & (off.min() < CLOSE)), int(off.argmin())
     parameters = {name: study[name].values[rows] for name in ("D", "gamma", "m")}
     names = (*QUANTITIES, "resistance_lower", "resistance_upper")
     return pd.DataFrame(
@@ -95,6 +96,7 @@ def _legend(table: pd.DataFrame) -> list[Any]:
         *(
             Line2D([], [], color=color, marker=marker, markersize=3, label=rf"$\bar{{p}}={load:g}\,p_0^*$")
             for load, (color, marker) in STYLES.items()
+            if (table["load"] == load).any()
         ),
         Patch(color=style.GREY, alpha=0.18, linewidth=0, label=f"{BAND[0]} to {BAND[1]} % of {count} phases"),
         *(

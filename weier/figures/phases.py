@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from weier.data import curves
 from weier.figures import style
-from weier.figures.tables import Values, extent, panels_of_series
+from weier.figures.tables import Values, common_loads, extent, panels_of_series
 from weier.figures.values import line
 from weier.methods.curve import COMPLIANCE
 from weier.surface.profile import PARAMETERS
@@ -32,6 +32,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _draw_phases(axes: Axes, cases: Sequence[Values]) -> None:
+    common_loads(cases)
     drawn = [own.line(0, own.best[0]) for own in cases]
     fine, h = drawn[0][0], np.array([values for _, values in drawn])
     average = f"average of {len(cases)} phase{'s' * (len(cases) > 1)}"

@@ -69,6 +69,14 @@ class Values:
         return fine, smooth(fine)
 
 
+def common_loads(tables: Sequence[Values]) -> Array:
+    """Return the loads that curves of a mean or median have in common; raise ValueError if they have others."""
+    loads = tables[0].loads
+    if not all(np.array_equal(own.loads, loads) for own in tables):
+        raise ValueError("a mean or median takes curves under the same loads: draw studies of other loads apart")
+    return loads
+
+
 def panels_of_series(
     studies: Sequence[xr.Dataset], title: str, quantity: str, *names: str
 ) -> tuple[Figure, list[tuple[Axes, list[Values]]]]:

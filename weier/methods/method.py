@@ -128,7 +128,7 @@ class Method:
         The look of its curve.
     seconds : callable
         From a profile, loads and settings as keywords to the expected seconds of a curve on one core, right within a
-        factor of 5: `CURVE_SECONDS`, and a power law with one measured number.
+        factor of 5: `CURVE_SECONDS`, and a law with one to three measured numbers.
     run_kernels : callable or None
         Runs compiled functions that curves of few waves do not reach, for `weier compile`.
     """

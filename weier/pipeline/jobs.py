@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from weier.api.progress import Progress, counted
+from weier.api.progress import Progress
 from weier.api.rows import curve_row, surface_row
 from weier.digests import numerics
 from weier.pipeline.needed_curves import SURFACE, Kind, Part
@@ -29,7 +29,7 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
     work = list(parts)
     check_code(store)
     count = sum(len(part.keys) for part in work)
-    progress = Progress(count, counted(count, "curve"), APPEND_SECONDS, say)
+    progress = Progress(count, f"{count} curve{'s' * (count > 1)}", APPEND_SECONDS, say)
     rows: dict[np.uint64, Mapping[str, Any]] = {}
 
     def append(kind: Kind) -> None:

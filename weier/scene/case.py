@@ -172,7 +172,8 @@ def _file_trace(parameters: Mapping[str, Any]) -> Trace:
     try:
         return _read_once(json.dumps({"path": parameters["file"], **options}), digest)
     except ValueError as error:
-        raise ValueError(f"{readable(parameters['file'])}: {error}") from None
+        name = readable(parameters["file"])
+        raise ValueError(str(error) if name in str(error) else f"{name}: {error}") from None
 
 
 @lru_cache(maxsize=KEPT_TRACES)

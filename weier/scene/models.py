@@ -335,7 +335,7 @@ class SceneKeys(Section):
     )
     figures: dict[Name, FigureKeys] = Field(
         {},
-        description="Named figures: kind, studies, title, size, axes, the parameters shown by colour, facet and "
+        description="Named figures: kind, studies, title, scale of loads, the parameters shown by colour, facet and "
         "median over, and bands of ensembles.",
     )
     claims: dict[Name, Names] = Field(
@@ -348,4 +348,5 @@ def mistakes_of(error: ValidationError) -> Iterator[Mistake]:
     for found in error.errors():
         complete = found["type"] in ("missing", "extra_forbidden", "value_error")
         given = "" if complete else f", got {shown(found['input'])}"
+        given += ": the documentation of scenes lists the keys" * (found["type"] == "extra_forbidden")
         yield Mistake(found["loc"], found["msg"].removeprefix("Value error, ") + given)

@@ -68,8 +68,6 @@ class Fit:
     rolloff : float or None
         Wavelength, in m, above which the spectrum is flatter than the power law, so that lambda_0 lies below it; None
         if the law holds up to the longest wavelength compared.
-    source : str
-        Name of the trace.
     """
 
     D: float
@@ -80,7 +78,6 @@ class Fit:
     g_0: float
     g_0_error: float
     rolloff: float | None = None
-    source: str = ""
 
     def profile(self, phases: Any = 0.0, *, m: float | None = None, seed: int | None = None) -> Profile:
         """Return the series with these phases, which a spectrum does not determine; `m` overrides its length."""
@@ -175,7 +172,7 @@ def fit(
         warnings.warn(f"trace {trace.source}: {artefact}" if trace.source else artefact, stacklevel=2)
     D_error, g_0_error = np.sqrt(law.errors**2 + doubt).tolist()
     lambda_0 = law.longest / math.sqrt(ratio)
-    return Fit(law.D, D_error, ratio, law.m, lambda_0, law.g_0, law.g_0 * g_0_error, rolloff, trace.source)
+    return Fit(law.D, D_error, ratio, law.m, lambda_0, law.g_0, law.g_0 * g_0_error, rolloff)
 
 
 def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fraction) -> tuple[float, float]:
@@ -189,7 +186,7 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         lambda x: least <= x * DECIMAL_ROUNDING,
         units.METRE,
     )
-    fewest = _least_ratio(ratio) * last
+    fewest = max(MIN_RATIO, float(ratio)) * last
     first = checked_number(
         "longest",
         trace.lambda_0 / WAVES_IN_LENGTH if longest is None else longest,
@@ -199,11 +196,6 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         units.METRE,
     )
     return first, last
-
-
-def _least_ratio(ratio: Fraction) -> float:
-    """Return the least ratio of the wavelengths at the ends of a band."""
-    return max(MIN_RATIO, float(ratio))
 
 
 def _extended(trace: Trace, z: Array) -> Array:
@@ -266,7 +258,7 @@ def _straight_law(
     beyond a bend.
     """
     first, rolloff, doubt = law.longest, None, np.zeros(2)
-    while bend := likeliest_bend(whole.between(first, last), _least_ratio(law.ratio)):
+    while bend := likeliest_bend(whole.between(first, last), max(MIN_RATIO, float(law.ratio))):
         at, end = (whole.period / math.exp(x) for x in (bend.place, bend.end))
         if given[bend.side] and bend.gain > CERTAIN_BEND_GAIN:
             what = "roll-off" if bend.is_rolloff else "bend"

@@ -280,21 +280,9 @@ SETTLED = {
     "a count and a step above": (column(heading="200\n0.005\n"), ALONE, "line 1, may be a count", {"skip": 2}),
     "a step above": (column(heading="z (um)\n0.005\n"), ALONE, "line 2, may be a count, a step", {"skip": 2}),
     "a count below": (column() + "200\n", ALONE, "line 202, may be a count, .* rows=201", {"rows": 200}),
-    "a count above two": (
-        columns(heading="200\n"),
-        UNITS,
-        "line 1, stands above the numbers, .* skip=",
-        {"skip": 1},
-    ),
     "a title above one column": (column(heading="shaft\n"), ALONE, "line 1, stands above .* skip=1", {"skip": 1}),
     "a quantity above": (columns(heading="Cutoff (mm),0.25\n"), UNITS, "line 1, .* say skip=1", {"skip": 1}),
     "wrong units": (columns(heading="x (um),z (um)\n"), {}, "is a unit wrong", {"x_unit": "mm"}),
-    "a wrong unit for both": (
-        columns(heading="x (um),z (nm)\n"),
-        {"length": 1e-3},
-        "length must be",
-        UNITS | {"length": 1.0},
-    ),
 }
 
 
@@ -327,13 +315,6 @@ FOREIGN = {
 def test_what_is_for_pandas_is_refused(file, text, more):
     with pytest.raises(ValueError, match=r"line \d+.*(pandas.read_csv|say skip=)"):
         Trace.read(file(text), **more)
-
-
-@pytest.mark.parametrize("name", ["cp437", "shift_jis", "gb18030"])
-def test_a_unit_in_another_encoding_is_none(file, name):
-    text = columns(heading="x (mm),z (\u00b5m)\n".replace("\u00b5", "\u00b5" if name == "cp437" else "\u03bc"))
-    with pytest.raises(ValueError, match="must have a unit"):
-        Trace.read(file(text, encoding=name))
 
 
 WORDS = ["OVER", "No Data", "<1.3", "0.5um", "inf", "1e400", "0x1p3", "1_000", "(0.5)", "0.5-", "# 0.5", "1.2.3"]

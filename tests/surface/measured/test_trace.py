@@ -227,8 +227,8 @@ def test_equal_waves_of_two_bodies_add_up_and_those_of_opposite_phase_cancel():
     half, down = (
         Trace(sign * wave / 2, LENGTH, ends="mirrored", height_unit="um", detrend="mean") for sign in (1, -1)
     )
-    gap = Trace.between(half, half, source="both")
-    assert (gap.g_0, gap.source) == (pytest.approx(2 * half.g_0, rel=1e-14), "both")
+    gap = Trace.between(half, half)
+    assert gap.g_0 == pytest.approx(2 * half.g_0, rel=1e-14)
     np.testing.assert_allclose(gap.amplitude, half.amplitude, rtol=1e-13)
     with pytest.raises(ValueError, match="got heights that cancel: is one of them upside down"):
         Trace.between(half, down)
@@ -256,3 +256,17 @@ def test_a_gap_counts_the_filled_heights_of_both():
     assert gap.filled == 3
     with pytest.raises(ValueError, match="first and second must be traces, got"):
         Trace.between(gap, first)
+
+
+def test_positions_of_an_array_give_its_length_or_equal_steps():
+    z, x = rough(200), 1e-3 * np.arange(200)
+    array = xr.DataArray(z, {"x": ("x", x, {"units": "mm"})}, "x", attrs={"units": "m"})
+    assert Trace(array).lambda_0 == pytest.approx(2e-4)
+    with pytest.raises(ValueError, match="length must be that of 200 steps"):
+        Trace(array, 3e-4)
+    kept = np.arange(200) != 100
+    for part in (array[kept], array.drop_attrs()[kept], array.to_series()[kept]):
+        with pytest.raises(ValueError, match=r"equal steps, got 0\.101 at height 101"):
+            Trace(part, 3e-4, height_unit="m")
+    for same in (array.drop_attrs(), pd.Series(z), z.tolist()):
+        assert Trace(same, 3e-4, unit="m") == Trace(z, 3e-4, unit="m")

@@ -306,6 +306,6 @@ METHOD = Method(
     style=Style("#000000", (), "d"),
     run_kernels=run_kernels,
     seconds=lambda profile, loads, **settings: (
-        CURVE_SECONDS + 7e-4 * loads.size * profile.waves_per_period[-1] ** 0.8
+        CURVE_SECONDS + 1.5e-3 + loads.size * (3e-4 + 8e-5 * profile.waves_per_period[-1])
     ),
 )

@@ -12,6 +12,7 @@ import numpy as np
 
 from weier.checks import checked_word, shown
 from weier.kernels.arrays import Array
+from weier.units import unit_of
 
 # The names that calls, scenes and options take, in m. The prefix is the micro sign or the Greek letter mu.
 UNITS = {
@@ -70,6 +71,16 @@ class Line(NamedTuple):
     height_unit: str = ""
 
 
+def line_of_array(heights: Any) -> Line:
+    """Return the line of an array: its positions have a scale if they are a coordinate of xarray with a unit."""
+    (dim,) = [*getattr(heights, "dims", ())][:1] or [None]
+    along = getattr(heights, "coords", {}).get(dim, getattr(heights, "index", None))  # a list has a method index
+    x, x_unit = getattr(along, "values", None), length_unit(unit_of(along))
+    if not x_unit and x is not None and x.dtype.kind in "iuf":
+        length_of_steps(x, None)  # refuses rows that are left out
+    return Line(heights, x if x_unit else None, x_unit, length_unit(unit_of(heights)))
+
+
 def length_of_steps(x: Array, length: float | None) -> float:
     """Return the length of a line, the step times the number of heights, from rising positions, which may be rounded.
 
@@ -88,14 +99,14 @@ def length_of_steps(x: Array, length: float | None) -> float:
         raise ValueError(
             f"positions must rise in equal steps, got {x[at]} at height {at + 1}: say columns=(1, 0) if those are in "
             'the second column, decimal="," for decimal commas, skip= or rows= for a part of the file, '
-            "interpolate the heights at equal steps by numpy.interp, or, if no row is left out, take the column of "
-            "heights alone, as in columns=1, with the length"
+            "interpolate the heights at equal steps by numpy.interp, which takes rising positions, or, if no row is "
+            "left out, take the heights alone, as in columns=1, with the length"
         )
     own = step * x.size
     if length is not None and abs(length - own) > most:
         raise ValueError(
             f"length must be that of {x.size} steps where positions go from {x[0]:g} to {x[-1]:g}, about {own:.6g}, "
-            f"got {length:g}: leave out the length, or take the column of heights alone, as in columns=1"
+            f"got {length:g}: leave out the length, or take the heights alone, as in columns=1"
         )
     return own if length is None else length
 

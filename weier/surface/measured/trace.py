@@ -24,7 +24,7 @@ from weier import units
 from weier.checks import checked_file, checked_number, checked_word, readable, shown
 from weier.kernels.arrays import Array, Indices
 from weier.surface.measured import artefacts as measured
-from weier.surface.measured.lines import UNITS, Line, known_unit, length_of_steps, length_unit
+from weier.surface.measured.lines import UNITS, Line, known_unit, length_of_steps, line_of_array
 from weier.surface.measured.text import Table
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import MAX_WAVES, Waves
@@ -53,9 +53,10 @@ class Trace(Waves):
     ----------
     heights : array_like, shape (samples,)
         Heights at equal steps, upwards out of the body. NaN, None and masked values are missing. An array may have a
-        unit, as of xarray or pint.
+        unit, as of xarray or pint, and positions at equal steps: a coordinate of xarray, or the index of pandas.
     length : float
-        Length of the trace, the number of heights times the step, in m, or in `x_unit` or `unit` if given.
+        Length of the trace, the number of heights times the step, in m, or in `x_unit` or `unit` if given. It may be
+        left out if the heights have a coordinate with a unit.
     shortest : float, optional
         Shortest wavelength, lambda_s of metrology, in the unit of `length`; by default two steps, which keeps all
         waves.
@@ -147,9 +148,7 @@ class Trace(Waves):
             raise ValueError(f"source must be a text, got {shown(source)}")
         checked_word("ends", ends, ENDS)
         detrend = _checked_detrend(detrend, ends)
-        one = heights
-        if not isinstance(one, Line):
-            one = Line(heights, height_unit=length_unit(units.unit_of(heights)))
+        one = heights if isinstance(heights, Line) else line_of_array(heights)
         height_factor = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_unit)]
         z = measured.with_gaps(one.heights, missing_value)
         length_units = {"unit": unit, "x_unit": x_unit}
@@ -269,7 +268,7 @@ class Trace(Waves):
         return cls(named, length, shortest, ends, **options)
 
     @classmethod
-    def between(cls, first: Trace, second: Trace, source: str = "") -> Trace:
+    def between(cls, first: Trace, second: Trace) -> Trace:
         """Return the trace of the gap between two rough bodies: the sum of their heights.
 
         Without friction, two rough bodies touch as a flat one does with a body that has both roughnesses.
@@ -279,13 +278,11 @@ class Trace(Waves):
         first, second : Trace
             Heights of both bodies, each upwards out of its own body, along the same direction in the contact, of the
             same length, steps, ends, shortest wavelength and detrending.
-        source : str
-            Name of the gap, by default those of the two traces.
 
         Returns
         -------
         Trace
-            The sum of the waves; `filled` counts the filled heights of both.
+            The sum of the waves, named after both; `filled` counts the filled heights of both.
 
         Raises
         ------
@@ -335,7 +332,7 @@ class Trace(Waves):
             coefficient[rough],
             **shared,
             filled=first.filled + second.filled,
-            source=source or " on ".join(filter(None, (first.source, second.source))),
+            source=" on ".join(filter(None, (first.source, second.source))),
             digest=digest_of("".join(sorted((first.digest, second.digest))).encode()),
         )
 
