@@ -51,7 +51,7 @@ SIGNS = str.maketrans("\u2212\u2215\u22c5", "-/*")  # signs of minus, division a
 # Errors of pint and of its tokenizer for a text that is no unit or of another quantity.
 NO_UNIT = (AssertionError, AttributeError, ArithmeticError, SyntaxError, TokenError, TypeError, ValueError)
 # A number, and its unit if it has one. A second number is no unit: a comma is missing.
-NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf)(?!\s*[-+.;\d])\s*(.*?)\s*")
+NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf)(?!\s*[-+.,;\d])\s*(.*?)\s*")
 
 
 def described(long_name: str, unit: str) -> dict[str, str]:

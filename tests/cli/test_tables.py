@@ -192,6 +192,7 @@ def test_bodies_may_stand_in_a_scene_and_with_units(run, folder):
 
 
 WRONG_BODIES = [
+    ("g_0: 1\ng_0: 1\n", "bodies.yaml: line 2: found duplicate key"),
     ("mu_1: 1.0\n", "bodies.yaml: missing 2 required keyword-only arguments: 'nu_1' and 'nu_2'"),
     (bodies(E_1="80 mm"), "E_1 must be in Pa, got values in mm"),
 ]

@@ -108,9 +108,9 @@ def solve(
 
 def read_bodies(path: Path) -> Interface:
     """Return the bodies of a YAML file, or of the key `interface` of a scene; values may have units."""
-    given = read_yaml(path.read_text(encoding="utf-8")).values
-    given = given if isinstance(given, dict) else {}
     try:
+        given = read_yaml(path.read_text(encoding="utf-8")).values
+        given = given if isinstance(given, dict) else {}
         return Interface.from_texts(given.get("interface", given))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None

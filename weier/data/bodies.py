@@ -70,7 +70,8 @@ class Bodies:
     def from_texts(cls, given: Mapping[str, Any]) -> Self:
         """Return the bodies of a file, whose values may have units, as in "210 GPa"."""
         try:
-            return cls(**{name: units.parsed(name, value, _unit(name)) for name, value in given.items()})
+            read = {name: units.parsed(name, given[name], RANGES[name][2]) for name in RANGES.keys() & given.keys()}
+            return cls(**{**given, **read})
         except TypeError as error:  # a name is missing or unknown
             names = ", ".join(signature(cls).parameters)
             raise ValueError(f"{str(error).partition(' ')[2]}: two bodies have {names}") from None
@@ -94,7 +95,7 @@ class Bodies:
         for name, value in known.items():
             usual = USUAL.get(name) or USUAL.get(name[:-2], (-math.inf, math.inf))
             if value not in (0, math.inf) and not usual[0] <= value <= usual[1]:
-                unit = _unit(name) if name in RANGES else "m/m"
+                unit = RANGES[name][2] if name in RANGES else "m/m"
                 limits = f"from {usual[0]:g} to {usual[1]:g} {unit}"
                 # points to the call of Interface
                 warnings.warn(f"{name} = {value:g} {unit} is not {limits}: is the unit right?", stacklevel=3)
@@ -258,10 +259,6 @@ class Bodies:
         if hasattr(normalised, "to_dataset"):  # a curve of a trace has a scale of its own
             raise ValueError(f"normalised must be numbers, got a DataArray: {CONVERT_DATASET}")
         return scaled(numbers, self.scales()[unit][0])
-
-
-def _unit(name: str) -> str:
-    return RANGES[name][2] if name in RANGES else units.NONE
 
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
