@@ -16,7 +16,7 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 from weier.kernels.arrays import Array
 from weier.methods import archard
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.scales import ComplianceTable, Model, Scale, coarser_units
+from weier.methods.layer.scales import MAX_SCALES, ComplianceTable, Model, Scale, coarser_units
 from weier.methods.layer.scaling_tables import (
     Rows,
     accuracy_error,
@@ -26,39 +26,23 @@ from weier.methods.layer.scaling_tables import (
     merge,
     position_in,
 )
-from weier.methods.layer.wave import closure_sensitivity, midpoints
+from weier.methods.layer.wave import MAX_STEP, MAX_STEPS, closure_sensitivity, midpoints
 
-TABLE_FRACTION = 0.5  # fraction of the accuracy for the table; the residuals of the waves have the rest
-MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's estimate
-MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
 MAX_ROWS = 3000  # its matrices take 70 MB each; the smallest accuracy needs 1200 rows, the default one 110
-MAX_STEPS = 400  # Newton steps; 7 to 30 are usual
-MAX_D = 1.999  # beyond, Newton's method is slow, and most meshes are refused (docs/layer.md, "Error and limits")
-MAX_SCALES = 5000  # beyond, the compliance depends on loads of finer waves below the first row of a table
 MAX_MESH_ERROR = 1e-2  # relative; resolved waves have 1e-6 on 24 points and 1e-3 on 4, others 0.1 and more
-MAX_STEP = 0.5  # largest change of ln W in a step
-MIN_PART = 1e-3  # smallest part of the way from TW to the new table that is tried if a wave does not converge
 
 
 def infinite_waves(model: Model, bottom: float) -> ComplianceTable:
     """Return the waves of the infinite series of a D and gamma, on a table from this position on."""
-    # number of scales over which errors of ln W add up at heavy loads; residuals of waves are a tenth of theirs
-    gain = np.array([model.infinite_amplitude])
-    if model.D > MAX_D or gain > MAX_SCALES:
-        raise ConvergenceError(
-            f"the layer model of the infinite series takes D up to {MAX_D:g} and 1/(1 - gamma^(D-2)) up to "
-            f"{MAX_SCALES} scales, got D = {model.D:.9g} and {gain[0]:.2g} scales: take a finite m",
-            math.inf,
-        )
-    limit = _limit(model, gain)
-    first = lattice(bottom, math.asinh(_top(model)))
+    gain = np.array([model.infinite_amplitude])  # number of scales over which errors of ln W add up at heavy loads
+    limit, first = _limit(model, gain), lattice(bottom, math.asinh(_top(model)))
     rows, errors = _guess(model, first), gain
     while rows.position.size <= MAX_ROWS:
         rows, size = _newton(model, rows, math.sqrt(limit))
         over_scales = np.asarray(np.linalg.inv(np.eye(len(size)) - size))
         limit, left, right = _limit(model, over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
         between, errors = evaluate_midpoints(_scale(model, rows).rows, rows, left, right)
-        is_accurate = _accumulated(errors, over_scales) <= TABLE_FRACTION * model.accuracy
+        is_accurate = _accumulated(errors + model.tolerance, over_scales) <= model.accuracy / 2
         if is_accurate or rows.position.size == first.size:  # before refinement: on a poor mesh it would not end
             _check_mesh(model, rows, between, over_scales)
         if is_accurate:
@@ -97,16 +81,18 @@ def _top(model: Model) -> float:
 
 
 def _limit(model: Model, gain: Array) -> float:
-    """Return the relative error per scale that adds up to the table's share of the accuracy."""
-    accuracy, tolerance = model.accuracy, model.tolerance
-    limit = TABLE_FRACTION * accuracy / (1 + float(np.max(gain)))
-    if not limit >= tolerance:
+    """Return the relative error of the table per scale that adds up, with the residuals, to half of the accuracy.
+
+    The terms left out of a finite series have the other half.
+    """
+    scales = 1 + float(np.max(gain))
+    if not scales <= MAX_SCALES:
         raise ConvergenceError(
-            f"errors of the layer model add up over {np.max(gain):.1e} scales, which are too many for the "
-            f"accuracy {accuracy:.1e}: choose a larger gamma, a smaller D or a larger accuracy",
-            accuracy * tolerance / limit,
+            f"errors of the layer model add up over {scales:.0f} scales for D = {model.D:.9g} and gamma = "
+            f"{model.gamma:.9g}, and {MAX_SCALES} are the most: take a finite m, a larger gamma or a smaller D",
+            math.inf,
         )
-    return limit
+    return model.accuracy / 2 / scales - model.tolerance
 
 
 def _scale(model: Model, rows: Rows) -> Scale:
@@ -115,24 +101,17 @@ def _scale(model: Model, rows: Rows) -> Scale:
 
 
 def _guess(model: Model, position: Array) -> Rows:
-    """Return a table near the fixed point: Archard's estimate at heavy loads, then row by row to lighter loads.
-
-    Contacts under light loads are small, and their pressures are heavy loads to the next finer wave.
-    """
-    heavy = position[log_load_at(position) >= MIN_ESTIMATED_LOAD]
-    log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), model.D, model.gamma, math.inf))
-    rows, _ = _newton(model, Rows(heavy, log_W, np.gradient(log_W, heavy), np.empty((heavy.size, 0))), MAX_GUESS_STEP)
-    for one in position[position < heavy[0]][::-1]:
-        rows = merge(_scale(model, rows).rows(np.array([one]), None), rows)
-    return rows
+    """Return a table near the fixed point: Archard's estimate."""
+    log_W = np.log(archard.compliance(np.exp(log_load_at(position)), model.D, model.gamma, math.inf))
+    return Rows(position, log_W, np.gradient(log_W, position), np.empty((position.size, 0)))
 
 
 def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
     """Solve by Newton steps with the J of the linear interpolant of ln W.
 
-    J >= 0 and its rows sum to less than 1, so that (I - J)^-1 exists. Steps are shortened to `MAX_STEP`. If a wave
-    does not converge on the new table, the table moves towards TW. Returns the rows at the fixed point and J, once a
-    step is at most the limit.
+    J >= 0 and its rows sum to less than 1, so that (I - J)^-1 exists. Steps are shortened to `MAX_STEP`, and halved
+    if a wave does not converge on the new table. Returns the rows at the fixed point and J, once a step is at most
+    the limit.
     """
     identity, top = np.eye(rows.position.size), math.log(model.infinite_amplitude)
     spline = scipy.interpolate.CubicSpline(rows.position, identity)  # the rows also determine ln W between them
@@ -145,9 +124,9 @@ def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
         try:
             new = scale.rows(rows.position, rows.state if rows.state.size else None)
         except ConvergenceError:
-            if part < MIN_PART:
+            if np.all(np.abs(part * correction) <= limit):
                 raise
-            part /= 4
+            part /= 2
             continue
         if change <= limit and part == 1:
             return rows, size

@@ -18,7 +18,7 @@ from weier.methods import westergaard
 from weier.methods.curve import Curve
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.fixed_point import infinite_waves
-from weier.methods.layer.scales import ComplianceTable, Model, finer_waves, model_of, scale_on
+from weier.methods.layer.scales import MAX_SCALES, ComplianceTable, Model, finer_waves, model_of, scale_on
 from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS, MIN_LOADS, log_load_at
 from weier.methods.method import CURVE_SECONDS, Method, Range, Setting, Style
 from weier.surface.loads import checked_loads
@@ -29,8 +29,6 @@ POINTS = 24  # error of the compliance 5e-6 of the total amplitude (docs/layer.m
 ACCURACY = 1e-5
 POINTS_RANGE = Range(4, 500)  # 40 loads on 384 points take 3 s, growing as the cube
 ACCURACY_RANGE = Range(1e-9, 1e-2)  # an accuracy of 1e-2 adds few rows to the initial ones
-MAX_SCALES = 1000  # scales of a finite series that differs from the infinite one
-TAIL_FRACTION = 0.1  # tail over accuracy up to which a series is treated as infinite
 INFINITE_TERMS = 11  # The tables of an infinite series take as long as the tables of this number of terms.
 
 
@@ -92,7 +90,7 @@ def _solve(loads: Array, bottom: float, model: Model) -> tuple[Array, Array, Arr
 def _finer_waves(bottom: float, model: Model) -> ComplianceTable:
     """Return the waves finer than the first, on tables that depend on no load."""
     tail = float(tail_amplitude(model.m, model.D, model.gamma))  # bounds the change of every compliance
-    negligible = TAIL_FRACTION * model.accuracy
+    negligible = model.accuracy / 2  # the tables of the infinite series have the other half
     # ln W approaches -2 sqrt((2 - D) ln gamma |ln xi|) at light loads
     if tail <= negligible * math.exp(-2 * math.sqrt(model.log_height * log_load_at(bottom))):
         waves = infinite_waves(model, bottom)

@@ -14,13 +14,10 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.scaling_tables import MAX_POSITION, Closure, Rows, lattice, log_load_at, tabulate
+from weier.methods.layer.scaling_tables import Closure, Rows, lattice, log_load_at, tabulate
 from weier.methods.layer.wave import Mesh, Solutions, attainable, midpoints, reference_heights, solve_waves
 
-ROUNDING = 1e-13  # rounding floor of the residual of a wave at the lightest loads
-# Ratio of a wave's residual, relative to the compression at the edge of contact, to the accuracy: residuals add up
-# over the scales.
-RESIDUAL_FRACTION = 1e-5
+MAX_SCALES = 5000  # beyond, the compliance depends on loads of finer waves below the first row of a table
 
 
 class Model(NamedTuple):
@@ -50,8 +47,11 @@ class Model(NamedTuple):
 
 
 def model_of(D: float, gamma: float, m: float, points: int, accuracy: float) -> Model:
-    """Return the model of a series with a mesh of this number of points and tables of this accuracy."""
-    return Model(D, gamma, m, midpoints(points), accuracy, max(RESIDUAL_FRACTION * accuracy, ROUNDING))
+    """Return the model of a series with a mesh of this number of points and tables of this accuracy.
+
+    Residuals, relative to the compression at the edge of contact, add up over `MAX_SCALES` to a quarter of it.
+    """
+    return Model(D, gamma, m, midpoints(points), accuracy, accuracy / 4 / MAX_SCALES)
 
 
 class ComplianceTable(NamedTuple):
@@ -136,6 +136,6 @@ def finer_waves(model: Model, bottom: float) -> ComplianceTable:
     waves = finest_wave(bottom, accuracy)
     for _ in range(int(model.m) - 2):
         scale = scale_on(waves, model)
-        top = min(math.asinh(scale.log_full), MAX_POSITION)
-        waves = ComplianceTable(tabulate(scale.rows, lattice(bottom, top), accuracy), scale.amplitude, scale.log_full)
+        first = lattice(bottom, math.asinh(scale.log_full))
+        waves = ComplianceTable(tabulate(scale.rows, first, accuracy), scale.amplitude, scale.log_full)
     return waves
