@@ -1,6 +1,5 @@
 """The plan of a run: what is missing, who makes it, and messages that end a run."""
 
-import shutil
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -8,8 +7,7 @@ import numpy as np
 import pytest
 
 from weier.figures.scene_checks import load_by_name
-from weier.pipeline import products, workflow
-from weier.pipeline.products import STAMPS, files_of, remove_older, stamp_of, sum_of
+from weier.pipeline import workflow
 from weier.pipeline.workflow import Plan
 
 SCENE = """
@@ -91,35 +89,3 @@ def test_a_wrong_scene_or_name_ends_in_one_sentence(folder, planned, message):
     with pytest.raises(SystemExit, match=f"^weier: {message}"):
         planned()
     assert workflow.names_of_scenes({"scenes": "test, 2024,test"}) == ["test", "2024"]
-
-
-def make(folder, job):
-    """Make the files of the figure `one` and their stamp, as the rules do."""
-    for file in files_of("one"):
-        (folder / file).parent.mkdir(parents=True, exist_ok=True)
-        (folder / file).write_text(file)
-    own = sum_of(folder / file for file in files_of("one"))
-    (folder / STAMPS / job / f"one/a.{own}").mkdir(parents=True)
-    remove_older(folder / STAMPS / job, "one")
-    return f"{job}/one/a.{own}", True
-
-
-def test_stamps_count_with_their_files_also_in_a_copy_and_an_edit_asks_for_one_of_another_name(tmp_path, monkeypatch):
-    """What a product is made of: test_freshness."""
-    monkeypatch.setattr(products, "made_of", lambda curves, product: curves)  # digests in place of curves
-    folder, stamps = tmp_path / "scene", {stamp_of("a", tmp_path / "scene", "one")}
-    made = make(folder, "job")
-    (folder / STAMPS / "job/two").mkdir()  # of another product, which is kept
-    copy = shutil.copytree(folder, tmp_path / "copy")
-    assert stamp_of("a", copy, "one") == stamp_of("a", folder, "one") == made
-    assert stamp_of("b", folder, "one")[1] is False
-    for file in files_of("one"):
-        for edit in (Path.unlink, lambda path: path.write_text("edited")):
-            edit(folder / file)
-            stamps |= {stamp_of("a", folder, "one"), stamp_of("a", folder, "one")}  # in each plan the same one
-            made = make(folder, job := f"job {len(stamps)}")
-            assert stamp_of("a", folder, "one") == made
-    assert len(stamps) == 1 + 2 * len(files_of("one"))
-    assert not any(fresh for _, fresh in stamps)
-    left = {path.relative_to(folder / STAMPS).as_posix() for path in (folder / STAMPS).glob("*/*")}
-    assert left == {"job/two", f"{job}/one"}
