@@ -21,8 +21,9 @@ from weier.pipeline import adopt as adoption
 from weier.pipeline import jobs
 from weier.pipeline.adopt import RECORD, adopt
 from weier.pipeline.gather import read_study
-from weier.pipeline.needed_curves import SURFACE, Kind, share
+from weier.pipeline.needed_curves import SURFACE, Kind
 from weier.pipeline.store import Store
+from weier.pipeline.workflow import missing
 from weier.scene.case import identity
 from weier.scene.identity import keys_of
 
@@ -108,7 +109,7 @@ def test_another_setting_or_default_is_another_kind_and_other_phases_are_another
 
 
 def shares(curves, of):
-    return [curves.store.lacking(share(curves.parts_for(), number, of)) for number in range(of)]
+    return [missing("scene/all.products", lambda name: curves, f"{number}-of-{of}") for number in range(of)]
 
 
 def named(parts):
@@ -232,8 +233,8 @@ def test_missing_curves_and_damaged_segments_are_named_with_what_to_do(store):
         with pytest.raises(ValueError, match=rf"^{re.escape(str(path))} is damaged: move it away"):
             Store(store.folder, "now").rows(KIND, KEYS[:1])
     path.unlink()
-    for numerics, missing in (("now", 2), ("later", 4)):
-        with pytest.raises(ValueError, match=rf"^{missing} curves by bem are not solved: run snakemake again$"):
+    for numerics, unsolved in (("now", 2), ("later", 4)):
+        with pytest.raises(ValueError, match=rf"^{unsolved} curves by bem are not solved: run snakemake again$"):
             Store(store.folder, numerics).rows(KIND, KEYS[:4])
 
 
