@@ -8,6 +8,8 @@ from scipy.special import comb
 
 from weier import Profile
 from weier.surface.crests import (
+    MAX_CURVATURE,
+    MAX_THIRD,
     ORDER,
     count_nodes,
     crest_heights,
@@ -196,10 +198,16 @@ def test_all_crests_of_a_rough_trace(decay, terms):
         np.testing.assert_array_equal(np.floor(x * points), changes)
 
 
+def test_bounds_of_derivatives_are_attained_at_the_end_of_a_step():
+    z = np.polynomial.Polynomial(np.random.default_rng(5).uniform(size=ORDER + 1))
+    assert z.coef @ MAX_CURVATURE == pytest.approx(z.deriv(2)(0.5), rel=1e-14)
+    assert z.coef @ MAX_THIRD == pytest.approx(z.deriv(3)(0.5), rel=1e-14)
+
+
 def test_heights_of_crests_hold_thirty_digits_at_positions_of_fifteen():
     """Crests of one wave and of two that peak together have the sums of the amplitudes; off by 1e-9 of a wave."""
-    one, two = ([1.0], [6], [0.0], 3), ([1.0, 0.25], [2, 10], [0.0, 0.0], 2)
-    for series, crest in ((one, [0.5, 2.0]), (two, [1.0])):
+    one, two, three = ([1.0], [6], [0.0], 3), ([1.0, 0.25], [2, 10], [0.0, 0.0], 2), ([1.0], [2], [2 * np.pi / 3], 3)
+    for series, crest in ((one, [0.5, 2.0]), (two, [1.0]), (three, [1.0])):
         heights = crest_heights(*map(np.array, series[:3]), series[3], np.array(crest) + 1e-9)
         assert max(abs(height - sum(series[0])) for height in heights) < 1e-28
 

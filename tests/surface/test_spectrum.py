@@ -212,14 +212,19 @@ def line_and_scratch():
 
 def test_a_scratch_that_decides_on_the_fit_is_reported():
     line, scratch = line_and_scratch()
+    scratch *= 5
     clean = fit(Trace(line, 2e-3, height_unit="um"))
     with pytest.warns(
         UserWarning, match=r"heights from x = 0\.0007 to 0\.0008 m, .* decide on the fit: D is .* without"
     ) as told:
         spoilt = fit(Trace(line + scratch, 2e-3, height_unit="um"))
     assert 2 * clean.D_error < spoilt.D - clean.D
-    without = float(re.search(r"and (\S+) without, g_0", str(told[0].message))[1])
-    assert without == pytest.approx(clean.D, abs=clean.D_error)
+    D, g_0, gap = map(
+        float, re.search(r"and (\S+) without, .*m and (\S+) m.*gap=(\d+)", str(told[0].message)).groups()
+    )
+    assert pytest.approx(clean.D, abs=clean.D_error) == D
+    assert pytest.approx(clean.g_0, abs=clean.g_0_error / 4) == g_0
+    assert gap == 2000 / 20
     gone = np.where(np.abs(np.arange(2000) - 730.3) < 8, np.nan, line + scratch)
     mended = fit(Trace(gone, 2e-3, height_unit="um", max_gap=20))
     assert pytest.approx(clean.D, abs=clean.D_error / 2) == mended.D

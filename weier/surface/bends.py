@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from itertools import product
+from statistics import NormalDist
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,10 +16,11 @@ import scipy  # Its submodules are loaded on first use.
 
 from weier.kernels.arrays import Array, Indices
 
-# Twice the gain in log likelihood from which a roll-off is significant: the 0.95 quantile of chi^2 with one degree of
-# freedom. Other bends are rarer and need a margin. `python -m benchmarks artefacts` counts wrong verdicts.
-MIN_BEND_GAIN, RARE_BEND_MARGIN = 3.84, 3.0
-CERTAIN_BEND_GAIN = 10.8  # the 0.999 quantile, from which a given band is refused
+# Twice the gain in log likelihood from which a roll-off is significant, and from which a given band is refused: the
+# 0.95 and 0.999 quantiles of chi^2 with one degree of freedom, the square of a normal variable. Other bends are rarer
+# and need a margin. `python -m benchmarks artefacts` counts wrong verdicts.
+MIN_BEND_GAIN, CERTAIN_BEND_GAIN = (NormalDist().inv_cdf(0.5 + level / 2) ** 2 for level in (0.95, 0.999))
+RARE_BEND_MARGIN = 3.0
 MIN_LAW_EXPONENT, MAX_LAW_EXPONENT = 0.9, 4.0  # exponents of laws with bends; self-affine ones have 1 to 3, kinks 4
 BISECTIONS = 30  # bisections for the exponent, which reach 1e-8
 SHARPNESS = (2.0, 8.0)  # exponent s of a smooth and of an abrupt bend
