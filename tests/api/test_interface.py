@@ -34,6 +34,8 @@ def test_a_measured_line_goes_from_heights_to_ohms():
     assert curve.resistance.values == pytest.approx(by_hand.resistance.values * 4e-7 * 1e-3 / (2 * np.pi), rel=1e-9)
     with pytest.raises(ValueError, match="data must be normalised"):
         BODIES.in_si(curve)
+    with pytest.warns(UserWarning, match="is the unit right of the pressures, the moduli, or lambda_0 and g_0"):
+        BODIES.solve(LINE, 1e15)
 
 
 def test_pressures_come_back_as_given():

@@ -93,10 +93,7 @@ WRONG_USAGE = [
     ([*SOLVE, "--length", "1e-3"], "take a series, or --trace with its options, got both: D, gamma, m, length"),
     (["solve", "--length", "1e-3"], "a profile takes -D, --gamma and -m, or --trace with a file"),
     ([*SOLVE, "--set", "bem"], "Invalid value for '--set': it must read \"method.name=value\""),
-    (
-        ["solve", "--trace", "shaft.csv", "--columns", "0,x"],
-        "Invalid value for '--columns': it must be numbers with commas between, such as 0,2, got '0,x'",
-    ),
+    ([*SOLVE, "--phases", "0,x"], "it must be numbers with commas between, such as 0,2, got '0,x'"),
     ([*SOLVE, "--loads", "1", "--pressures", "1MPa"], "loads are given once, got --pressures and --loads"),
     (["plot", *PROFILE, "--loads", "1", "x.png"], "a figure takes at least 2 loads, got 1"),
     (["plot", *PROFILE, "x.txt"], "the name must end in one of .pdf, .svg, .png, got x.txt"),
@@ -114,7 +111,6 @@ def test_wrong_usage_is_exit_code_2(run, arguments, message):
 BAD_INPUT = [
     ([*SOLVE, "--loads", "-1"], "loads must be positive, got -1.0"),
     ([*SOLVE, "--loads", ""], 'loads must read "1,10 p_0*" or "first:last:count p_0*", got \'\''),
-    ([*SOLVE, "--tolerance", "0"], "tolerance of auto must lie in [1e-13, 1), got 0.0"),
     ([*SOLVE, "--workers", "0"], "workers must be a whole number, at least 1, or -1 for all cores, got 0"),
     ([*SOLVE, "--phases", "1", "--seed", "1"], "phases must be left out where there is a seed, got 1.0"),
     (["solve", "-D", "1.25", "--gamma", "1.4142135", "-m", "3"], "no curve could be solved, for the reasons above"),

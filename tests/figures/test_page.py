@@ -105,13 +105,9 @@ def browse(folder, *arguments):
         browser,
         "--headless",
         "--no-sandbox",
-        "--disable-gpu",
-        "--disable-background-networking",
         "--host-resolver-rules=MAP * ~NOTFOUND",
-        "--proxy-server=127.0.0.1:9",
         f"--user-data-dir={folder / 'browser'}",
         "--enable-logging=stderr",
-        "--window-size=1100,1400",
         "--virtual-time-budget=10000",
         *arguments,
     ]

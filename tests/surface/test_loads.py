@@ -44,6 +44,8 @@ def test_one_load_is_positive_and_finite():
 def test_loads_from_a_hundred_times_full_contact_on_are_probably_in_pascal(loads, is_doubted):
     assert ("which takes 2.5 p_0* at most" in unit_doubt(TWO_WAVES, np.array(loads))) == is_doubted
     assert unit_doubt(Profile(1.25, 5, np.inf), np.array(loads)) == ""
+    for in_pascal, remedy in ((False, "weier.Interface converts them"), (True, "is the unit right of the pressures")):
+        assert (remedy in unit_doubt(TWO_WAVES, np.array(loads), in_pascal)) == is_doubted
 
 
 def test_scenes_have_loads_of_which_rounding_leaves_digits():

@@ -131,7 +131,7 @@ def solve_under(
     profiles = [checked_surface(one, argument) for one in _list(argument, profile)]
     own_loads = [loads if bodies is None else bodies.at(one).normalised_pressure(loads) for one in profiles]
     for surface, own in zip(profiles, own_loads, strict=True):
-        if doubt := unit_doubt(surface, own):
+        if doubt := unit_doubt(surface, own, bodies is not None):
             warnings.warn(doubt, stacklevel=3)  # points to the call of `solve`
     method = default_method(*profiles, within_tolerance=TOLERANCE in settings) if method is None else method
     methods = [find_method(name).name for name in _list("method", method)]

@@ -134,8 +134,12 @@ def take_profile(options: dict[str, Any]) -> Waves:
 def take_lines(files: Iterable[Path], options: dict[str, Any]) -> list[Trace]:
     """Take the distinct lines of some files out of the options of a command."""
     of_trace = _take(TRACE_KEYS, options)
-    lines = (read_trace({"file": str(file), **of_trace}) for file in files)
-    return [*{line.digest: line for line in lines}.values()]
+    lines = dict[str, Trace]()
+    for line in (read_trace({"file": str(file), **of_trace}) for file in files):
+        if line.digest in lines:
+            click.echo(f"{line.source} is left out: it has the heights of {lines[line.digest].source}", err=True)
+        lines.setdefault(line.digest, line)
+    return [*lines.values()]
 
 
 def _take(names: Iterable[str], options: dict[str, Any]) -> dict[str, Any]:

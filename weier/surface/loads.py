@@ -58,17 +58,23 @@ def checked_load(mean_pressure: float, name: str = "mean_pressure") -> float:
     return checked_number(name, mean_pressure, condition, lambda load: 0 < load < np.inf, units.NORMALISED_PRESSURE)
 
 
-def unit_doubt(profile: Waves, loads: Array) -> str:
-    """Return a warning if all loads are far above full contact and may not be in p_0*; otherwise empty."""
+def unit_doubt(profile: Waves, loads: Array, in_pascal: bool = False) -> str:
+    """Return a warning if all loads, in p_0*, are far above full contact; otherwise empty.
+
+    They may have been given in pascals, or, if they were meant to be, a value of the bodies may have a wrong unit.
+    """
     if math.isinf(profile.m):
         return ""
     with np.errstate(over="ignore"):  # pressures of very long series overflow
         full = float(np.sum(profile.full_contact_pressure))  # upper bound on full contact
     if loads.min() <= SUSPECT_LOAD_RATIO * full or loads.max() > MAX_PASCAL:
         return ""
+    remedy = "mean pressures are in p_0*, and weier.Interface converts them from and to Pa"
+    if in_pascal:
+        remedy = "is the unit right of the pressures, the moduli, or lambda_0 and g_0?"
     return (
         f"all loads lie far beyond full contact, which takes {full:.3g} p_0* at most, got {loads.min():.3g} p_0* and "
-        "more: mean pressures are in p_0*, and weier.Interface converts them from and to Pa"
+        f"more: {remedy}"
     )
 
 

@@ -243,7 +243,6 @@ TIMES = "t;x (mm);z (um);note\n" + "".join(
 INDEX = "".join(f"{n},{x:.4f},{z:.6f}\n" for n, x, z in zip(N, X, Z, strict=True))
 NM = [f"{1e3 * z:,.0f}" for z in Z]
 NM_3 = [f"{1e3 * z:,.3f}" for z in Z]
-GERMAN = str.maketrans(".,", ",.")
 SETTLED = {
     "commas for all": (decimal_commas(columns()), {}, "has a comma of decimals, between columns or", None),
     "decimals or thousands": (
@@ -301,8 +300,6 @@ FOREIGN = {
     "pipes": (columns("|"), UNITS),
     "whole numbers or decimals": (column([f"{z:.1f}".replace(".", ",") for z in Z], ""), ALONE),
     "thousands": (column(NM), ALONE),
-    "thousands with points": (column([z.translate(GERMAN) for z in NM]), ALONE),
-    "thousands and decimals": (column(NM_3), ALONE),
     "thousands with blanks": (column([z.replace(",", " ") for z in NM]), ALONE),
     "thousands with narrow blanks": (columns(";", z=[z.replace(",", "\u202f") for z in NM]), {}),
     "thousands with apostrophes": (column([z.replace(",", "'") for z in NM_3]), ALONE),
