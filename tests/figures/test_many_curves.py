@@ -75,6 +75,8 @@ def test_a_median_takes_common_loads_and_a_legend_what_is_seen(sweep: xr.Dataset
     other = sweep.assign_coords(mean_pressure=2 * LOADS)
     with pytest.raises(ValueError, match="takes curves under the same loads"):
         many_curves.draw([sweep, other], "", "compliance", Grouping("gamma", median_over=("seed",)))
+    with pytest.raises(ValueError, match="there is no resistance above 0 to draw"):
+        many_curves.draw([sweep.assign(resistance=0 * sweep["resistance"])], "", "resistance")
     monkeypatch.setattr(many_curves.style, "MAX_GRID", 1)
     figure = sketch(sweep, colour="gamma", facet=("gamma",), median_over=("seed",))
     assert words(figure)[:2] == [r"$\gamma=2$", "Demelio"]

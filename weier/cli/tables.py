@@ -109,7 +109,7 @@ def report(files: Sequence[Path], outputs: Sequence[Path], **given: Any) -> None
         title = f"{count} of {len(lines)} lines: {title}"
     ensemble = data.weier.ensemble()
     frame = _with_units(ensemble[[name for name in COLUMNS if name in ensemble]], data)
-    for path in outputs:
+    for path in sorted(outputs, key=lambda path: path.suffix not in (".csv", ".nc")):  # a figure may be refused
         if path.suffix == ".csv":
             write_text(path, frame.to_csv(index=False))
         elif path.suffix == ".nc":

@@ -93,6 +93,8 @@ def draw(
     table = table_of(tables)
     if table.empty:
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
+    if quantity != COMPLIANCE and not any((own.values > 0).any() for own in tables):
+        raise ValueError(f"there is no {quantity} above 0 to draw: take lighter loads, or bodies that resist")
     grouping = grouping.with_defaults(table["case"].nunique())
     drawn = _curves(table, tables, quantity, grouping)
     facet_values = [_values(drawn, name) for name in grouping.facet]
