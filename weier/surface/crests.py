@@ -27,9 +27,10 @@ MAX_SAMPLES = 2**17  # samples per period up to which all crests are located bef
 MAX_NEWTON_STEPS = 60  # more than bisection of a step to rounding takes
 # middles of nine parts of an interval of length 1, with its own middle first: equal heights leave a crest at a node
 PARTS = np.array(sorted(range(-4, 5), key=abs)) / 9
-# factors of |c_j| in bounds of the second and the third derivative for |t| <= 1/2
+# factors of |c_j| in bounds of the second, third and fourth derivative for |t| <= 1/2
 MAX_CURVATURE = DEGREE * (DEGREE - 1) / 2 ** (DEGREE - 2)
 MAX_THIRD = DEGREE * (DEGREE - 1) * (DEGREE - 2) / 2 ** (DEGREE - 3)
+MAX_FOURTH = 2 * (DEGREE - 3) * MAX_THIRD
 MAX_SAMPLED_WAVES = 10**6  # finest waves whose samples take 128 MB
 
 Expansions = NDArray[np.float64]  # of which each row has the coefficients of t^0, t^1, ..., shape (rows, ORDER + 1)

@@ -25,7 +25,7 @@ from weier.methods.patches.certificate import (
     stated_errors,
 )
 from weier.methods.patches.contacts import CONTACTS
-from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
+from weier.methods.patches.inequalities import find_negative_intervals, minima_between
 from weier.methods.patches.kind import FIELD_ROUNDING
 from weier.methods.patches.segments import MINIMUM, Cracks
 from weier.methods.patches.surface import make_series
@@ -93,7 +93,7 @@ def test_a_state_that_is_wrong_by_a_height_or_a_load_is_certified_to_no_less(loa
     assert state.kind is KINDS[load > 1]
 
     def certified(wrong):
-        minima, negative = minima_outside(wrong, series, 0.0), find_negative_intervals(wrong)
+        minima, negative = minima_between(wrong, series, 0.0, 0.0), find_negative_intervals(wrong)
         violations = *contact_residual(wrong, series), *wrong.kind.overlaps_and_tensions(minima, negative)
         return certify(wrong, *violations, series, solution.surface.total_amplitude, 1e-3, 0.0).error
 

@@ -102,18 +102,15 @@ def test_crests_that_are_almost_flat_are_solved_and_have_their_events(change):
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, -1.0, 0.0])
-def test_no_number_of_nodes_or_probes_follows_from_a_float_that_is_none(bad):
+def test_no_number_of_nodes_or_cells_follows_from_a_float_that_is_none(bad):
     origin, width = np.zeros(2), np.array([0.1, bad])
     for extent in ((origin, np.array([0.2, 0.7]), width), (origin, np.array([0.2, bad]), np.full(2, 0.1))):
         count = segments.count_nodes(*extent, 1.0, 6.0, (7.5, 1.0, 14.0))
         assert np.all((count >= 4) & (count <= segments.MAX_NODES))
-        points, interval = inequalities._probe_points(*extent, np.array([0.25, 0.75]), 1.0, 6.0)
-        assert points.size == interval.size < 100
         series = make_series(np.ones(1), [1], np.zeros(1), 1.0)
+        assert inequalities._first_points(extent, 1.0, series.crest_position, series.local)[0].size < 100
         guess = stages.ContactProblem(series, 0.1, CONTACTS)
         if not (np.isfinite(bad) and bad > 0):
             broken = segments.make_segments(np.zeros(2, int), *extent, np.zeros(2, int))
             with pytest.raises(ConvergenceError, match="overlap"):
                 stages.make_guess(guess, broken, 1e-10)
-    many = np.zeros(40), np.linspace(0, 1, 40), np.full(40, bad)
-    assert inequalities._probe_points(*many, np.linspace(0, 0.99, 500), 1.0, 6.0)[0].size < 1e5

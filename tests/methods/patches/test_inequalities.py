@@ -6,17 +6,23 @@ import numpy as np
 import pytest
 
 from tests.methods.patches.westergaard_states import KINDS, OneWave
+from tests.profiles import THREE_WAVES
+from weier import Profile
 from weier.kernels.blas import one_thread
+from weier.methods import patches
 from weier.methods.chebyshev import gauss_rule
+from weier.methods.errors import ConvergenceError
 from weier.methods.patches import inequalities
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import ContactProblem, make_guess, take_step
-from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import force_field
-from weier.methods.patches.inequalities import find_missing, find_negative_intervals, gap_minima, minima_outside
+from weier.methods.patches.inequalities import find_missing, find_negative_intervals, gap_minima, minima_between
 from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import MINIMUM, ContactState, edge_strengths, make_segments
-from weier.methods.patches.surface import evaluate_at, make_series, nearest_crests
+from weier.methods.patches.solver import solve_state
+from weier.methods.patches.stages import contact_state, follow_contacts
+from weier.methods.patches.start import Starts
+from weier.methods.patches.surface import distances_between, evaluate_at, make_series, nearest_crests
 
 
 def state_of(phi, period, r, dual=False, nodes=12):
@@ -89,16 +95,16 @@ def test_minima_of_the_gap_and_of_the_pressure(period, dual):
         segments=narrow.segments._replace(origin=crest[:1], centre=-crest[:1]),
         coefficient=1e-9 * narrow.coefficient,
     )
-    below = minima_outside(state, series, 0.05)
+    below = minima_between(state, series, 0.0, 0.05)
     crest = crest[(crest > 0.05 * period) & (crest < 0.95 * period)]
     wave, third = np.cos(2 * np.pi * crest / period), np.cos(6 * np.pi * crest / period)
     value = 0.02 + series.maximum - wave + 0.3 * third
     expected = value < 0.05
     assert 0 < np.count_nonzero(expected) < 3
-    np.testing.assert_allclose(np.sort(below["position"]), np.sort(crest[expected]), atol=1e-6 * period)
-    np.testing.assert_allclose(below["value"], value[expected], atol=1e-7)
+    np.testing.assert_allclose(np.sort(below["position"]), np.sort(crest[expected]), atol=1e-3 * period)
+    assert np.all((below["value"] <= value[expected]) & (below["value"] > 0.9 * value[expected]))
     curvature = (2 * np.pi / period) ** 2 * (wave - 2.7 * third)
-    np.testing.assert_allclose(below["curvature"], curvature[expected], rtol=1e-3)
+    np.testing.assert_allclose(below["curvature"], curvature[expected], rtol=0.1)
 
 
 def test_the_residual_beside_an_edge_has_the_strength_of_the_density(wave, dual):
@@ -112,56 +118,66 @@ def test_the_residual_beside_an_edge_has_the_strength_of_the_density(wave, dual)
     assert value[0] == pytest.approx(expected, rel=1e-3, abs=0)
 
 
-def test_gaps_are_probed_at_crests_midway_between_them_and_closely_at_their_ends():
-    """Two contacts on [0.1, 0.3] and [0.4, 0.8] of a period with crests at 0.2, 0.5 and 0.95 beside others."""
-    crest = np.array([0.02, 0.2, 0.35, 0.5, 0.95])
-    one = np.zeros(2), np.array([0.2, 0.6]), np.array([0.1, 0.2])
-    x, interval = inequalities._probe_points(*one, crest, 1.0, 2 * np.pi * 8)
-    assert np.all(np.diff(x) > 0)
-    assert np.all(np.where(interval == 0, (x > 0.3) & (x < 0.4), (x > 0.8) & (x < 1.1)))
-    for expected in (0.35, 0.875 - 0.15, 0.95, 1.02, 0.985):
-        inside = 0.3 < expected < 0.4 or 0.8 < expected < 1.1
-        assert np.any(np.abs(x - expected) < 1e-12) == inside
-    assert np.diff(x[interval == 1]).max() < 1 / 40  # five probes to the finest of eight waves, at least
-    for end, (first, last) in enumerate(((0.3, 0.4), (0.8, 1.1))):
-        own = x[interval == end]
-        assert max(own[0] - first, last - own[-1]) < 0.3 * np.diff(own).max()
+def samples_between(state, series):
+    """The lowest residual in each interval between segments, of 100 samples per finest wave."""
+    length = distances_between(*state.segments.extent, series.period)
+    count = 60 + (length * series.wavenumber[-1] * 100 / (2 * np.pi)).astype(int)
+    interval = np.repeat(np.arange(length.size), count)
+    part = np.concatenate([(np.arange(n) + 0.5) / n for n in count])
+    x = state.segments.right[interval] + part * length[interval]
+    residual = complementary_residuals(state, series, *nearest_crests(series, x))
+    return np.minimum.reduceat(residual, np.append(0, count.cumsum()[:-1]))
 
 
-@pytest.mark.parametrize("probe", np.linspace(-2.3, 2.3, 12))
-def test_a_minimum_is_found_from_probes_beyond_an_inflection(probe):
-    """The lowest of three probes of a cosine may lie where it is concave."""
-    bracket = np.array([-2.8]), np.array([probe]), np.array([3.2]), np.zeros(1, np.int64)
-    found = inequalities._negative_minima(bracket, lambda x: 0.5 - np.cos(x), lambda x, interval: np.ones(x.size))
-    assert found["position"].tolist() == pytest.approx([0.0], abs=1e-4)
-    assert found["value"][0] == pytest.approx(-0.5, abs=1e-8)
-    assert found["curvature"][0] == pytest.approx(1.0, rel=1e-3)
+@one_thread
+@pytest.mark.parametrize("seed", range(4))
+def test_nothing_is_lower_than_the_bounds_and_these_are_nearly_attained(seed):
+    """On solutions, and on those of the equations without one of the contacts or gaps, where others tell."""
+    random, violated = np.random.default_rng(seed), 0
+    for _ in range(12):
+        terms, gamma = int(random.integers(1, 4)), [1.5, 2, 3, 5, "5/2"][random.integers(5)]
+        starts = Starts(
+            Profile(random.uniform(1.02, 1.95), gamma, terms, tuple(random.uniform(0, 6.28, terms))), 1e-10
+        )
+        exact, _ = solve_state(starts, starts.surface.full_contact_load * 10 ** random.uniform(-5, -0.01))
+        series, tolerance = exact.kind.series(starts.surface), 1e-9 * min(exact.load, 1.0)
+        states = [exact]
+        for kept in 1 - np.eye(exact.segments.centre.size)[:3] if exact.segments.centre.size > 1 else []:
+            crest, *extent, count = (part[kept > 0] for part in (*exact.segments[:4], exact.segments.node_count))
+            a = exact.coefficient[np.repeat(kept > 0, exact.segments.node_count)]
+            fewer = exact._replace(segments=make_segments(crest, *extent, count), coefficient=a)
+            try:
+                states.append(follow_contacts(starts.surface, fewer, exact.load))
+            except ConvergenceError:
+                continue
+        for state in states:
+            lowest, minima = samples_between(state, series), minima_between(state, series, tolerance, 0.0)
+            at = complementary_residuals(state, series, *nearest_crests(series, minima["position"]))
+            np.minimum.at(lowest, minima["interval"], at)
+            bound = np.zeros(lowest.size)
+            np.minimum.at(bound, minima["interval"], minima["value"])
+            if np.all(find_negative_intervals(state)["relative"] > -1e-9):
+                assert np.all(lowest >= bound - tolerance)
+                clear = lowest < -20 * tolerance
+                np.testing.assert_allclose(bound[clear], lowest[clear], rtol=0.12)
+                violated += np.count_nonzero(clear)
+    assert violated > 0
 
 
-@pytest.mark.parametrize("distance", [0.003, 0.006, 0.012, 0.03, 0.1])
-@pytest.mark.parametrize("at_right", [False, True])
-@pytest.mark.parametrize("is_gap", [False, True])
-def test_a_narrow_minimum_next_to_an_edge_is_found(is_gap, at_right, distance, period):
-    """Next to an edge it may be much narrower than the distance of probes: w = s^power [(s/e - 1)^2 - 0.01]."""
-    series = make_series(np.array([1.0]), [1], np.zeros(1), period)
-    crest, half_width = series.crest_position, 0.2 * period
-    segments = make_segments(np.zeros(1, np.int64), crest, np.zeros(1), np.array([half_width]), np.array([12]))
-    place = distance * period
-
-    def residual(x):
-        s = (crest[0] + period - half_width) - x if at_right else x - (crest[0] + half_width)
-        return np.abs(s) ** (1.5 if is_gap else 0.5) * ((s / place - 1) ** 2 - 0.01)
-
-    # Its edges have the strength of 0.99 s^power, the quotient there.
-    kind, coefficient = CONTACTS if is_gap else GAPS, np.zeros(12)
-    at_edge = 0.99 * (3 / (4 * np.pi) if is_gap else 1) / (kind.strength_factor * np.sqrt(2 / half_width))
-    coefficient[:2] = np.array([0.5, -0.25 if at_right else 0.25]) * at_edge
-    found = inequalities._minima_between(kind, segments, coefficient, True, series, residual, 0.0, 0.0)
-    assert found.size == 1
-    s = found["position"][0] - (crest[0] + half_width)
-    s = 0.6 * period - s if at_right else s
-    assert s == pytest.approx(place, rel=0.02)
-    assert found["value"][0] == pytest.approx(-0.01 * place ** (1.5 if is_gap else 0.5), rel=0.05)
+@one_thread
+def test_a_contact_that_is_about_to_be_born_or_to_merge_is_a_minimum():
+    """It is positive below a margin before a birth or after a merger, and negative beyond the event."""
+    for load, birth, x, _ in zip(*patches.events(THREE_WAVES, 0.3, 3.0), strict=True):
+        starts = Starts(THREE_WAVES, 1e-10)
+        state, _ = solve_state(starts, load * (1 - 1e-5 if birth else 1 + 1e-5))
+        series = state.kind.series(starts.surface)
+        if (state.kind is CONTACTS) == birth:
+            other = follow_contacts(starts.surface, state, load * (1 + 1e-5 if birth else 1 - 1e-5))
+            for beyond, margin in ((state, 1e-3 * min(load, 1)), (other, 0.0)):
+                minima = minima_between(beyond, series, 1e-12, margin)
+                nearest = np.argmin(np.abs((minima["position"] - x + 0.5) % 1 - 0.5))
+                assert (minima["position"][nearest] - x + 0.5) % 1 - 0.5 == pytest.approx(0, abs=2e-3)
+                assert (minima["value"][nearest] > 0) == (margin > 0)
 
 
 @one_thread
@@ -189,10 +205,11 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual):
             - evaluate_at(series.local, *nearest_crests(series, x), 0)
         )
 
-    edges, minima = find_missing(problem, step, 0.0, 0.0, 0.0)
+    state = contact_state(problem, step)
+    edges, minima = find_missing(problem, step, state, 0.0, 0.0, 0.0)
     assert len(edges) == np.count_nonzero(minima["value"] < 0) > 0
     deepest = minima["value"].min()
-    below_margin = find_missing(problem, step, 0.0, -0.1 * deepest, 0.0)[1]
+    below_margin = find_missing(problem, step, state, 0.0, -0.1 * deepest, 0.0)[1]
     assert below_margin["value"].min() == pytest.approx(deepest, rel=1e-6)
     room = inequalities._room(step, minima)
     for (left, right), minimum, most in zip(edges, minima, room, strict=True):
@@ -201,11 +218,11 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual):
         curvature = (below + above - 2 * here) / (1e-3 * period) ** 2
         assert here < min(below, above)
         reach = np.sqrt(-2 * here / curvature) * (np.sqrt(2) if dual else 0.5)
-        assert 0.5 * (right - left) == pytest.approx(min(reach, 0.5 * most), rel=1e-3, abs=0)
+        assert 0.5 * (right - left) == pytest.approx(min(reach, 0.5 * most), rel=0.1, abs=0)
     if dual:  # A crack of half-width b in the tension q_0 opens by 2 pi b q_0.
         opening = 2 * np.pi * np.sqrt(-4 * minima["value"] / minima["curvature"]) * -minima["value"]
         for factor, expected in ((1.01, 0), (0.99, 1)):
-            assert len(find_missing(problem, step, 0.0, 0.0, factor * opening.max())[0]) == expected
+            assert len(find_missing(problem, step, state, 0.0, 0.0, factor * opening.max())[0]) == expected
 
 
 def test_two_new_segments_share_the_room_between_them():

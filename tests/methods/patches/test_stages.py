@@ -15,7 +15,7 @@ from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import ContactProblem, carried_along, make_guess, take_step
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import solve_tangent
-from weier.methods.patches.inequalities import NEGATIVE, minima_outside
+from weier.methods.patches.inequalities import NEGATIVE, minima_between
 from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import ContactState, make_segments, segment_strengths
 from weier.methods.patches.solver import solve_state
@@ -207,13 +207,13 @@ def test_a_shallow_missing_contact_is_seen(above):
     surface, before = surface_of(THREE_WAVES), patches.solve_load(THREE_WAVES, born * (1 - 1e-7)).state
     assert before.kind is CONTACTS
     series, limit = surface.heights, 1e-10 * before.approach
-    assert np.all(minima_outside(before, series, 0.0)["value"] >= -limit)
+    assert np.all(minima_between(before, series, limit, 0.0)["value"] >= -limit)
     beyond = follow_contacts(surface, before, born * (1 + above))
     x = np.linspace(-1, 1, 2001) * 10 * above**0.5 / THREE_WAVES.waves_per_period[-1]
     x = events.x[events.birth][0] + x[np.abs(x) < 0.2 / THREE_WAVES.waves_per_period[-1]]
     lowest = complementary_residuals(beyond, series, *nearest_crests(series, x)).min()
     assert lowest < -limit
-    assert minima_outside(beyond, series, 0.0)["value"].min() == pytest.approx(lowest, rel=1e-3)
+    assert 1 <= minima_between(beyond, series, limit, 0.0)["value"].min() / lowest < 1.2
 
 
 @one_thread

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.methods.patches.given_edges import Forces, Punches, expansion
-from weier.methods.patches.inequalities import minima_outside
+from weier.methods.patches.inequalities import minima_between
 from weier.methods.patches.kind import (
     FIELD_ROUNDING,
     MAX_TENSION,
@@ -190,7 +190,7 @@ class Contacts:
         self, state: ContactState, series: CosineSeries, overlaps: Records, margin: float, uncertainty: float
     ) -> Records:
         """Return the overlaps, or search again if the gap turns out less certain than the margin."""
-        return overlaps if uncertainty <= margin else minima_outside(state, series, uncertainty)
+        return overlaps if uncertainty <= margin else minima_between(state, series, 0.0, uncertainty)
 
 
 CONTACTS = Contacts()

@@ -5,17 +5,13 @@ the opening of a crack.
 
 The equations on the segments do not imply the inequalities, so that violations are searched:
 
-- Off the segments, the gap between contacts or the pressure between gaps has a negative minimum where a
-  segment is missing. `_minima_between` evaluates it at `_probe_points` and divides it by its power of the distances
-from both edges; `_brackets` selects the probes next to which a minimum may be negative, and `_negative_minima` finds
-it. `find_missing` uses forces at nodes while the set is corrected, `minima_outside` the densities of a solution.
+- Between the segments, the gap or the pressure has a negative minimum where one is missing. `minima_between` finds
+  lower bounds in cells, which `_divide` divides until `_lower_bound` is positive or close to a minimum.
 - On the segments, the pressure or the gap is negative where a segment must be cut: `find_negative_intervals`.
 Remaining violations enter the bound on the error (`certificate`).
 """
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,33 +20,27 @@ from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import derivative_expansion, evaluate_expansion
 from weier.methods.patches.edge_iteration import ContactProblem, NewtonStep
-from weier.methods.patches.given_edges import force_field
-from weier.methods.patches.kind import EPS, Kind
-from weier.methods.patches.pressure_and_gap import (
-    at_point,
-    complementary_residuals,
-    smooth_part,
+from weier.methods.patches.kind import EPS, FIELD_ROUNDING
+from weier.methods.patches.pressure_and_gap import at_point, residuals_in_order, smooth_part
+from weier.methods.patches.segments import MINIMUM, ContactState
+from weier.methods.patches.surface import (
+    CosineSeries,
+    Extent,
+    Local,
+    distances_between,
+    evaluate_series,
+    nearest_crest,
 )
-from weier.methods.patches.segments import MINIMUM, ContactState, Segments, edge_strengths
-from weier.methods.patches.surface import CosineSeries, distances_between, evaluate_near, first_from, nearest_crests
 
-# probes per finest wave in an interval between segments, and of a shorter interval; an eighth of a wave from a crest,
-# a cosine differs from its parabola by 5 %
-PROBES_PER_WAVE = 8
 SAMPLES_PER_NODE = 2  # samples per node in the search for sign changes within a segment
-# width of the stencil of Newton's method on differences over the bracket, and its ratio in each refinement; a stencil
-# h misplaces a minimum by h^2 relative to the wave, 1e-9 for the last one, 3e-5
-STENCIL_RATIO, REFINEMENTS = 1 / 5, 6
-# largest ratio of the depth of a minimum below the lowest of three probes to its depth on the parabola through them:
-# a safety factor for other functions
-MAX_FALL = 3
+# least number of cells in an interval between segments, so that those at both ends have four points beside them, and
+# parts of a cell that is divided: both set the cost
+MIN_CELLS, PARTS = 8, 4
+RESOLUTION = 0.1  # largest distance of a minimum from its lower bound, relative to that or to rounding
 
-
-Residual = Callable[[Array], Array]  # function of positions
-EdgeFactor = Callable[[Array, Indices], Array]  # function of positions and the intervals in which these lie
-# For each bracket: left end, minimum, right end and interval, each of shape (brackets,).
-Brackets = tuple[Array, Array, Array, Indices]
-
+# A point between segments: its interval, position, in lambda_0, residual, and series with two derivatives, or NaN
+POINT = record_type(("interval", np.int64, ()), ("x residual series slope curvature", np.float64, ()))
+Unknown = tuple[Indices, Indices, Array, Array]  # of points without a residual: index, crest, its place, distance
 
 # An interval on a segment where the pressure of a contact, or the gap, is negative:
 #
@@ -64,82 +54,159 @@ NEGATIVE = record_type(("segment", np.int64, ()), ("start end value relative hei
 
 
 @kernel
-def _probe_points(
-    origin: Array, centre: Array, half_width: Array, crest: Array, period: float, finest: float
-) -> tuple[Array, Indices]:
-    """Return ascending points in the intervals between segments, and the interval of each point.
-
-    They are closer together at the ends, and contain the crests of the series and the midpoints between them.
-    """
-    n, length = 2 * crest.size, distances_between(origin, centre, half_width, period)
-    turning, count, total = np.empty(n), np.empty(length.size, np.int64), n
-    for k in range(crest.size):
-        following = crest[k + 1] if k + 1 < crest.size else crest[0] + period
-        turning[2 * k], turning[2 * k + 1] = crest[k], 0.5 * (crest[k] + following)
-    per_length = PROBES_PER_WAVE * finest / (2 * np.pi)
-    least = np.sqrt(EPS) / per_length  # At closer probes, second differences of a parabola are rounding.
+def _first_points(extent: Extent, period: float, crest: Array, local: Local) -> tuple[Records, Unknown]:
+    """Return equidistant points in each interval between segments, and its ends, where the residual is 0."""
+    length, (origin, centre, half_width) = distances_between(*extent, period), extent
+    divided = np.where(length > 0, np.minimum(length, period), 0.0)
+    cells = np.maximum(MIN_CELLS, np.ceil(divided / local[3])).astype(np.int64)
+    points, last = np.empty((cells + 1).sum(), POINT), 0
     for j in range(length.size):
-        waves = per_length * min(length[j], period) if length[j] > 0 else 0.0  # segments may overlap
-        count[j] = PROBES_PER_WAVE + np.int64(np.ceil(waves))
-        total += count[j]
-    point, interval, last = np.empty(total), np.empty(total, np.int64), -1
-    for j in range(length.size):
-        left = origin[j] + (centre[j] + half_width[j])
-        turns = np.floor((left - crest[0]) / period)
-        i, k = 0, first_from(turning, left - period * turns)
-        for _ in range(count[j] + n + 1):
-            fraction = 0.5 * (1 - np.cos((i + 0.5) * np.pi / count[j])) if i < count[j] else 1.0
-            probe, turn = left + fraction * length[j], turning[k % n] + period * (turns + k // n)
-            x = min(probe, turn)
-            if not x < left + length[j] or last + 1 == total:
-                break
-            i, k = i + (probe == x), k + (turn == x)
-            if last < 0 or interval[last] < j or x - point[last] > least:
-                last += 1
-                point[last], interval[last] = x, j
-    return point[: last + 1], interval[: last + 1]
+        for i in range(cells[j] + 1 if length[j] > 0 else 0):  # segments may overlap
+            point, at_end = points[last], i == 0 or i == cells[j]
+            point.interval, point.x = j, origin[j] + (centre[j] + half_width[j]) + length[j] * i / cells[j]
+            point.residual, point.series = 0.0 if at_end else np.nan, np.nan
+            last += 1
+    return points[:last], _unknown(points[:last], period, crest, local)
 
 
 @kernel
-def _edge_factor(
-    x: Array, interval: Indices, origin: Array, centre: Array, half_width: Array, period: float, power: float
-) -> Array:
-    """Return (u (1-u))^power at points x, with u from 0 to 1 in the interval of each point between segments."""
-    length, factor = distances_between(origin, centre, half_width, period), np.empty(x.size)
-    for i in range(x.size):
-        j = interval[i]
-        u = (x[i] - (origin[j] + (centre[j] + half_width[j]))) / length[j]
-        factor[i] = max(abs(u * (1 - u)), EPS) ** power
-    return factor
+def _unknown(points: Records, period: float, crest: Array, local: Local) -> Unknown:
+    """Evaluate the series at new points; return the points without a residual, their crests, origins and offsets."""
+    new, of, count = np.empty(points.size, np.int64), np.empty(points.size, np.int64), 0
+    origin, y = np.empty((2, points.size))
+    for i in range(points.size):
+        point = points[i]
+        if np.isnan(point.series):
+            nearest, offset = nearest_crest(crest, period, point.x)
+            point.series, point.slope, point.curvature = evaluate_series(local, nearest, offset)
+            if np.isnan(point.residual):
+                new[count], of[count], y[count] = i, nearest, offset
+                origin[count] = crest[nearest] + period * np.rint((point.x - offset - crest[nearest]) / period)
+                count += 1
+    return new[:count], of[:count], origin[:count], y[:count]
 
 
-def _minima_between(
-    kind: Kind,
-    segments: Segments,
-    coefficient: Array,
-    is_regular: bool,
-    series: CosineSeries,
-    residual: Residual,
-    limit: float,
-    margin: float,
-) -> Records:
-    """Return negative minima of a residual less a margin between segments: of a gap, or of a pressure.
+@kernel
+def _mean_slope(points: Records, i: int) -> float:
+    """Return the mean slope of the field, the sum of residual and series, between point i and the next one."""
+    here, after = points[i], points[i + 1]
+    return (after.residual - here.residual + (after.series - here.series)) / (after.x - here.x)
 
-    Minima above the limit are excluded without refinement. At edges that are not regular the strength is unknown.
+
+@kernel
+def _least_curvature(points: Records, i: int, side: int) -> float:
+    """Return a lower bound of the curvature of the field at point i and beyond it on the other side, 0 if unknown.
+
+    It is known if the curvature decreases from this point over the next three on this side, +1 or -1.
     """
-    extent, period, power = segments.extent, series.period, kind.residual_power
+    end, nearest = i + 3 * side, min(i, i + 2 * side)
+    if end < 0 or end >= points.size or points[end].interval != points[i].interval:
+        return 0.0
+    curvature = np.empty(2)
+    for q in range(2):
+        k = nearest + q * side
+        curvature[q] = (_mean_slope(points, k + 1) - _mean_slope(points, k)) / (points[k + 2].x - points[k].x)
+    return max(2 * curvature[0], 0.0) if curvature[1] <= curvature[0] else 0.0
 
-    def edge_factor(x: Array, interval: Indices) -> Array:
-        return _edge_factor(x, interval, *extent, period, power)
 
-    x, interval = _probe_points(*extent, series.crest_position, period, float(series.wavenumber[-1]))
-    at_edge = kind.residual_strength if is_regular else -np.inf
-    first = segments.first_node
-    ends, which = _brackets(
-        x, interval, residual(x), limit, margin, *extent, period, first, coefficient, at_edge, power
-    )
-    low, middle, high = ends
-    return _negative_minima((low, middle, high, which), residual, edge_factor)
+@kernel
+def _lower_bound(points: Records, i: int, fourth: float, is_slope: bool) -> float:
+    """Return a lower bound of the residual between points i and i + 1, from one of the series' fourth derivative."""
+    here, after, depth = points[i], points[i + 1], 0.0
+    width, rise = after.x - here.x, after.residual - here.residual
+    lowest = min(here.curvature, after.curvature) - fourth * width**2 / 8
+    highest = max(here.curvature, after.curvature) + fourth * width**2 / 8
+    if not is_slope:
+        slope, before, behind, width_before, width_behind = _mean_slope(points, i), here.slope, after.slope, 0.0, 0.0
+        if i > 0 and points[i - 1].interval == here.interval:
+            before, width_before = _mean_slope(points, i - 1), here.x - points[i - 1].x
+        if i + 2 < points.size and points[i + 2].interval == here.interval:
+            behind, width_behind = _mean_slope(points, i + 1), points[i + 2].x - after.x
+        curvature = _least_curvature(points, i + 1, 1) if highest > 0 else 0.0
+        if curvature >= highest and before + 0.5 * curvature * width_before >= here.slope:
+            return here.residual
+        curvature = _least_curvature(points, i, -1) if highest > 0 else 0.0
+        if curvature >= highest and behind - 0.5 * curvature * width_behind <= after.slope:
+            return after.residual
+        depth = max(slope - before, 0.0) * max(behind - slope, 0.0) / max(behind - before, 1e-300) * width
+    bend = max(-lowest, 0.0)
+    s = min(max(0.5 * width - rise / (width * bend), 0.0), width) if bend > 0 else (width if rise < 0 else 0.0)
+    return here.residual + rise * (s / width) - 0.5 * bend * s * (width - s) - depth
+
+
+@kernel
+def _minima(points: Records, bounds: Array, margin: float) -> Records:
+    """Return the minima among points between which the bounds are below the margin, with the least bound there."""
+    found, count, i = np.empty(points.size, MINIMUM), 0, 0
+    while i < points.size - 1:
+        k, bound, rises = i, np.inf, False
+        while bounds[i] < margin and not (rises and points[i + 1].residual <= points[i].residual):
+            rises, bound = points[i + 1].residual > points[i].residual, min(bound, bounds[i])
+            k, i = k if rises else i + 1, i + 1
+        if bound == np.inf:
+            i += 1
+            continue
+        here, found[count].interval, found[count].value = points[k], points[k].interval, bound
+        found[count].position, found[count].curvature = here.x, 0.0
+        if 0 < k < points.size - 1 and points[k - 1].interval == points[k + 1].interval:
+            left, right = here.x - points[k - 1].x, points[k + 1].x - here.x
+            fall, rise = points[k - 1].residual - here.residual, points[k + 1].residual - here.residual
+            fall, rise = fall / left, rise / right
+            found[count].curvature = 2 * (fall + rise) / (left + right)
+            found[count].position += 0.5 * (fall * right - rise * left) / max(fall + rise, 1e-300)
+            count += 1
+        elif bound < 0:
+            count += 1
+    return found[:count]
+
+
+@kernel
+def _divide(
+    points: Records,
+    period: float,
+    crest: Array,
+    local: Local,
+    fourth: Array,
+    is_slope: bool,
+    rounding: float,
+    margin: float,
+) -> tuple[Records, Unknown, Records]:
+    """Return the points with new ones where a minimum may be lower than its samples, and minima of the old ones."""
+    bounds, count, step, nodes = np.full(points.size, np.inf), points.size, local[3], fourth.size
+    divided = np.zeros(points.size, np.bool_)
+    for i in range(points.size - 1):
+        here, after, most = points[i], points[i + 1], 0.0
+        if here.interval == after.interval:
+            for node in range(np.int64(np.rint(here.x / step)), np.int64(np.rint(after.x / step)) + 1):
+                most = max(most, fourth[node % nodes])
+            bounds[i] = _lower_bound(points, i, most, is_slope)
+            fall = min(here.residual, after.residual) - bounds[i]
+            is_certain = fall <= RESOLUTION * max(abs(bounds[i]), rounding) or after.x - here.x < 8 * EPS * period
+            divided[i] = bounds[i] < margin and not is_certain
+            count += (PARTS - 1) * divided[i]
+    more, last = np.empty(count, POINT), 0
+    for i in range(points.size):
+        more[last] = points[i]
+        last += 1
+        for part in range(1, PARTS if divided[i] else 0):
+            more[last].interval, more[last].residual, more[last].series = points[i].interval, np.nan, np.nan
+            more[last].x = points[i].x + (points[i + 1].x - points[i].x) * part / PARTS
+            last += 1
+    return more, _unknown(more, period, crest, local), _minima(points, bounds, margin)
+
+
+def minima_between(state: ContactState, series: CosineSeries, rounding: float, margin: float) -> Records:
+    """Return minima of the gap between contacts, or of the pressure between gaps, that are below a margin.
+
+    Their values are lower bounds, up to the residual at edges, at most a tenth of themselves or of rounding too low.
+    """
+    line = series.period, series.crest_position, series.local
+    points, unknown = _first_points(state.segments.extent, *line)
+    while True:
+        points["residual"][unknown[0]] = residuals_in_order(state, series, *unknown[1:])
+        points, unknown, minima = _divide(points, *line, series.fourth, state.kind.is_slope, rounding, margin)
+        if unknown[0].size == 0:
+            return minima
 
 
 def find_negative_intervals(state: ContactState) -> Records:
@@ -223,17 +290,6 @@ def _find_zero(a: Array, negative: float, positive: float) -> float:
     return positive
 
 
-def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> Records:
-    """Return minima of the gap between contacts, or of the pressure between gaps, that are below a margin."""
-
-    def residual(x: Array) -> Array:
-        return complementary_residuals(state, series, *nearest_crests(series, x)) - margin
-
-    minima = _minima_between(state.kind, state.segments, state.coefficient, True, series, residual, 0.0, margin)
-    minima["value"] += margin
-    return minima
-
-
 def gap_minima(state: ContactState) -> Records:
     """Return minima of the gap within gaps, as `MINIMUM`: samples, exact where a gap nearly closes."""
     segments = state.segments
@@ -251,125 +307,20 @@ def gap_minima(state: ContactState) -> Records:
     return minima
 
 
-@kernel
-def _brackets(
-    x: Array,
-    interval: Indices,
-    value: Array,
-    limit: float,
-    margin: float,
-    origin: Array,
-    centre: Array,
-    r: Array,
-    period: float,
-    first_node: Indices,
-    coefficient: Array,
-    at_edge: float,
-    power: float,
-) -> tuple[NDArray[np.float64], Indices]:
-    """Return left end, minimum and right end of brackets that may hold a minimum below the limit, and the intervals.
-
-    value : at the probes, ascending in each interval; the quotient by the edge factor is smooth
-    margin : margin subtracted from the values
-    at_edge : the quotient at the edges over l^power |k_1|
-    """
-    length, ends = distances_between(origin, centre, r, period), edge_strengths(first_node, r, coefficient, 1.0)
-    found, which, count = np.empty((3, x.size)), np.empty(x.size, np.int64), 0
-    low, middle, high = found
-    factor = _edge_factor(x, interval, origin, centre, r, period, power)
-    for i in range(x.size):
-        j, here, edges = interval[i], value[i] / factor[i], at_edge * length[interval[i]] ** power
-        start = origin[j] + (centre[j] + r[j])
-        if i > 0 and interval[i - 1] == j:
-            low[count], before = x[i - 1], value[i - 1] / factor[i - 1] - here
-        else:
-            low[count], before = start, edges * abs(ends[j, 1]) - margin / factor[i] - here
-        if i + 1 < x.size and interval[i + 1] == j:
-            high[count], after = x[i + 1], value[i + 1] / factor[i + 1] - here
-        else:
-            k = (j + 1) % r.size
-            high[count] = start + length[j]
-            after = edges * abs(ends[k, 0]) - margin / factor[i] - here
-        left, right = x[i] - low[count], high[count] - x[i]
-        if before >= 0 and after >= 0 and before + after < np.inf and left > 0 and right > 0:
-            bend = 2 * (after / right + before / left) / (left + right)
-            if here < 0.5 * MAX_FALL * bend * (0.5 * max(left, right)) ** 2 + limit / factor[i]:
-                middle[count], which[count] = x[i], j
-                count += 1
-    return found[:, :count], which[:count]
-
-
-def _negative_minima(brackets: Brackets, residual: Residual, edge_factor: EdgeFactor) -> Records:
-    """Return negative minima of a function in brackets, by Newton's method on differences in all of them at once.
-
-    The first half of the steps finds the minimum of the quotient by the edge factor, the other half the minimum of
-    the function. The result is the lowest value evaluated, since differences across two crests may miss both.
-    """
-    low, middle, high, interval = brackets
-    if middle.size == 0:
-        return np.empty(0, MINIMUM)
-    within = np.minimum(high - middle, middle - low)
-    stencil, lowest = 0.5 * np.minimum(STENCIL_RATIO * (high - low), within), np.full((3, middle.size), np.inf)
-    for refinement in range(1, REFINEMENTS + 1):
-        if middle.size == 0:
-            break
-        points = np.stack([middle - stencil, middle, middle + stencil])
-        order, value = np.argsort(points, axis=None), np.empty(points.size)
-        value[order] = residual(points.ravel()[order])
-        value = value.reshape(points.shape)
-        curvature = _curvature(value, stencil)
-        lowest = np.where(value[1] < lowest[1], [middle, value[1], curvature], lowest)
-        if refinement <= REFINEMENTS // 2:
-            value /= edge_factor(points.ravel(), np.tile(interval, 3)).reshape(points.shape)
-            curvature = _curvature(value, stencil)
-        slope, is_convex = (value[2] - value[0]) / (2 * stencil), curvature > 0
-        newton = middle - slope / np.where(is_convex, curvature, np.inf)
-        # The next stencil must stay within the bracket; of the last one only the middle is used.
-        inner_end = 1.01 * STENCIL_RATIO * stencil * (refinement < REFINEMENTS - 1)
-        newton = np.clip(newton, low + inner_end, high - inner_end)
-        # Beyond an inflection Newton's method does not lead to the minimum, but bisection downhill does.
-        halfway = 0.5 * (middle + np.where(slope > 0, low, high))
-        shift = np.where(is_convex, newton, halfway) - middle
-        # The position may be wrong by the width of the stencil, and the minimum lower by the fall over it.
-        fall = 0.5 * MAX_FALL * np.maximum(curvature, 0) * (np.abs(shift) + stencil) ** 2
-        some = np.minimum(value[1] - fall, lowest[1]) < 0
-        some = some | ~is_convex if refinement < REFINEMENTS else lowest[1] < 0
-        low, middle, high, interval = low[some], (middle + shift)[some], high[some], interval[some]
-        stencil, lowest = STENCIL_RATIO * stencil[some], lowest[:, some]
-    minima = np.empty(middle.size, MINIMUM)
-    minima["position"], minima["value"], minima["curvature"], minima["interval"] = *lowest, interval
-    return minima
-
-
-def _curvature(value: Array, stencil: Array) -> Array:
-    """Return second derivatives from values at three points, shape (3, brackets), at these distances."""
-    return np.asarray((value[0] - 2 * value[1] + value[2]) / stencil**2)
-
-
 def find_missing(
-    problem: ContactProblem, step: NewtonStep, tolerance: float, margin: float, opening: float
+    problem: ContactProblem, step: NewtonStep, state: ContactState, tolerance: float, margin: float, opening: float
 ) -> tuple[NDArray[np.float64], Records]:
     """Return edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
     Also return all minima below the margin, including these. The width of a new segment is `new_outside`
     times that of the interval in which the parabola is negative. A new gap opens by more than `opening`, in g_0.
     """
-    punches, kind, series = step.punches, problem.kind, problem.series
-    highest = kind.uniform(step.forces.plane) - problem.highest - margin
-
-    # The gap d - z - 2 sum f ln|2 sin|, or the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
-    def residual(x: Array) -> Array:
-        total = force_field(punches, step.forces.force, x)
-        total -= evaluate_near(series.local, series.crest_position, series.period, x)
-        total += highest
-        return total
-
-    limit = tolerance + margin
-    is_regular = step.largest < opening
-    found = _minima_between(kind, punches.segments, step.a, is_regular, series, residual, limit, margin)
+    kind, series = problem.kind, problem.series
+    height = FIELD_ROUNDING * min(problem.load * series.period, 1.0)
+    rounding = kind.limit_outside(problem.load, height, FIELD_ROUNDING)
+    found = minima_between(state, series, rounding, margin)
     if found.size == 0:
         return np.empty((0, 2)), found
-    found["value"] += margin
     minima = found[found["value"] < -tolerance]
     finest = float(series.wavenumber[-1])
     minima = minima[kind.deserve_segments(minima, _room(step, minima), finest, opening)]

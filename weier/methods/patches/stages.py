@@ -279,7 +279,7 @@ def segment_corrections(
     by its remaining pieces. Contacts on both sides of a thin gap are merged.
     """
     outside = problem.kind.limit_outside(problem.load, limits.target, MAX_TENSION)
-    missing, minima = find_missing(problem, step, outside, limits.margin, limits.opening)
+    missing, minima = find_missing(problem, step, state, outside, limits.margin, limits.opening)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
     _, thinness = state.kind.limits_within

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
-from weier.surface.crests import ORDER, Expansions, crest_heights, expand, find_crests
+from weier.surface.crests import MAX_FOURTH, ORDER, Expansions, crest_heights, expand, find_crests
 from weier.surface.waves import Waves, check_resolvable
 
 # Positions on the line are counted from crests: of intervals the crest or its image, the middle from there, and the
@@ -48,6 +48,8 @@ class CosineSeries(NamedTuple):
     crest_offset : S at each crest minus the maximum of S, <= 0, in the unit of S, shape (crests,)
     maximum : S at the highest crest
     largest_curvature : |S''| that the waves can have together
+    fourth : bound of the fourth derivative of S up to half a step from each node, in the unit of S over lambda_0^4,
+        shape (nodes,)
     """
 
     amplitude: Array
@@ -62,6 +64,7 @@ class CosineSeries(NamedTuple):
     crest_offset: Array
     maximum: float
     largest_curvature: float
+    fourth: Array
 
     @property
     def local(self) -> Local:
@@ -132,6 +135,7 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
         offset,
         maximum,
         float(np.abs(amplitude) @ wavenumber**2),
+        np.abs(nodes) @ MAX_FOURTH / step**4,
     )
 
 
