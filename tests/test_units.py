@@ -129,7 +129,6 @@ def test_spellings_of_units(unit, base, value):
 @pytest.mark.parametrize(
     ("text", "values", "unit"),
     [
-        ("5", [5], ""),
         ("1,10MPa", [1e6, 1e7], "MPa"),
         ("1:100:3", [1, 10, 100], ""),
         ("1:100:3 kPa", [1e3, 1e4, 1e5], "kPa"),
