@@ -268,5 +268,5 @@ def test_positions_of_an_array_give_its_length_or_equal_steps():
     for part in (array[kept], array.drop_attrs()[kept], array.to_series()[kept]):
         with pytest.raises(ValueError, match=r"equal steps, got 0\.101 at height 101"):
             Trace(part, 3e-4, height_unit="m")
-    for same in (array.drop_attrs(), pd.Series(z), z.tolist()):
+    for same in (array.drop_attrs(), pd.Series(z), pd.Series(z, pd.date_range("2024", periods=200)), z.tolist()):
         assert Trace(same, 3e-4, unit="m") == Trace(z, 3e-4, unit="m")

@@ -75,8 +75,10 @@ def line_of_array(heights: Any) -> Line:
     """Return the line of an array: its positions have a scale if they are a coordinate of xarray with a unit."""
     (dim,) = [*getattr(heights, "dims", ())][:1] or [None]
     along = getattr(heights, "coords", {}).get(dim, getattr(heights, "index", None))  # a list has a method index
-    x, x_unit = getattr(along, "values", None), length_unit(unit_of(along))
-    if not x_unit and x is not None and x.dtype.kind in "iuf":
+    x: Any = getattr(along, "values", None)
+    are_numbers = x is not None and x.dtype.kind in "iuf"  # times and names are no positions
+    x_unit = length_unit(unit_of(along)) if are_numbers else ""
+    if are_numbers and not x_unit:
         length_of_steps(x, None)  # refuses rows that are left out
     return Line(heights, x if x_unit else None, x_unit, length_unit(unit_of(heights)))
 
