@@ -18,7 +18,6 @@ from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 from weier.surface.series import MAX_EXPONENT, full_contact_pressure
 
-LN2 = np.log(2)
 # terms that bring ln xi from -700 to within 0.2 of its fixed point, and of the expansion: 12 * 0.2^12/12! < 1e-16
 TERMS = 12
 
@@ -50,7 +49,7 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
     """
     waves = remaining(mean_pressure, D, gamma, m, _fixed_point)
     # the derivative of ln xi halves at each term (18)
-    slope = _sums(waves, (waves.D - 2) * np.log(waves.gamma) - LN2, 0.0) / waves.load
+    slope = _sums(waves, (waves.D - 2) * np.log(waves.gamma) - np.log(2), 0.0) / waves.load
     return waves.behind_flat_waves(slope)
 
 
@@ -65,7 +64,7 @@ def _sums(waves: Remaining, log_ratio: Array, constant: float) -> Array:
     The first terms are summed one by one, until ln xi is close to its fixed point or all waves are flat again.
     """
     shrink = 2 * full_contact_pressure(-1, waves.D, waves.gamma)
-    log_shrink, ratio = LN2 - (waves.D - 1) * np.log(waves.gamma), np.exp(log_ratio)
+    log_shrink, ratio = np.log(2) - (waves.D - 1) * np.log(waves.gamma), np.exp(log_ratio)
     # terms until all waves are flat again, if the fixed point of ln xi is above 0
     rising = np.ceil(np.log2(MAX_EXPONENT / np.where(log_shrink > 0, log_shrink, 1.0)))
     direct = np.minimum(np.where(log_shrink > 0, rising, TERMS), waves.waves)

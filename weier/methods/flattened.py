@@ -11,6 +11,7 @@ p_0*.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -18,10 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.surface.series import amplitude, full_contact_pressure, leading_amplitude
+from weier.surface.series import MAX_EXPONENT, amplitude, full_contact_pressure, leading_amplitude
 
-# finite substitute for m = inf: sums are equal in double precision, and differences of m are defined
-INFINITE_TERMS = 1e300
+# finite substitute for m = inf: sums are equal in double precision, differences and products with a logarithm finite
+INFINITE_TERMS = sys.float_info.max / MAX_EXPONENT
 
 
 class Remaining(NamedTuple):

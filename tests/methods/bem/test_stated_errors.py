@@ -24,14 +24,14 @@ def test_points_are_the_fewest_that_do(error):
 
 
 def test_a_tolerance_is_met_on_fine_grids_as_far_as_rounding_allows():
-    """On 70 000 nodes for a wave, whose rounding is above a thousandth of a tolerance of 2e-11."""
+    """On 70 000 nodes for a wave, whose rounding is above a thousandth of a tolerance of 2e-10."""
     loads, one_wave = np.array([0.1, 0.6]), Profile(1.25, 5, 1)
     found = bem.METHOD.solve(one_wave, loads, tolerance=1e-9)
     assert found.points > 60_000
     assert np.all(found.compliance_error <= 1e-9)
     assert np.all(np.abs(found.compliance - westergaard.compliance(loads)) <= found.compliance_error)
-    with pytest.raises(OutOfReachError, match="inf points for a tolerance of 2e-11 g_0"):
-        bem.METHOD.solve(one_wave, loads, tolerance=2e-11)
+    with pytest.raises(OutOfReachError, match="inf points for a tolerance of 2e-10 g_0"):
+        bem.METHOD.solve(one_wave, loads, tolerance=2e-10)
 
 
 @pytest.mark.parametrize("profile", [Profile(1.4, "5/2", 4, random_phases(3)), Profile(1.1, 2, 5, 0.0)])

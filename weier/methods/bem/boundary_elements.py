@@ -28,10 +28,9 @@ from weier.surface.waves import MAX_POINTS, Waves, check_resolvable
 
 POINTS_PER_WAVE = 64  # error of R below 1 % at nine of ten loads (docs/numerics.md, "The resistance of a grid")
 MIN_POINTS_PER_WAVE = 3  # a wave is resolved by more than two points
-RESIDUAL = 1e-10  # g_0: default residual, below the error of any grid
+# g_0: default and smallest residual; rounding leaves some 1e-18 a node (1e-14 on 10 000), so 1e-11 on `MAX_POINTS`
+RESIDUAL = 1e-10
 RESIDUAL_FRACTION = 1e-3  # fraction of the tolerance; the grid takes the rest, which costs a step or two
-# g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `stated_errors.MAX_POINTS`
-MIN_RESIDUAL = 1e-11
 Found = tuple[float, float, Corrected]  # residual, work and corrected solution at a load
 
 
@@ -143,12 +142,12 @@ def points_of(
 
 
 def _residual_within(tolerance: float | None) -> float:
-    return RESIDUAL if tolerance is None else max(RESIDUAL_FRACTION * tolerance, MIN_RESIDUAL)
+    return RESIDUAL if tolerance is None else max(RESIDUAL_FRACTION * tolerance, RESIDUAL)
 
 
 def within_few_points(profile: Waves, tolerance: float) -> bool:
     """Return whether a grid no finer than the default meets a tolerance, in g_0."""
-    return points_of(profile, tolerance) <= min(points_of(profile), stated_errors.MAX_POINTS)
+    return points_of(profile, tolerance) <= min(points_of(profile), MAX_POINTS)
 
 
 def _grid(profile: Waves, tolerance: float | None = None, points_per_wave: int | None = None, **others: Any) -> int:
@@ -158,10 +157,10 @@ def _grid(profile: Waves, tolerance: float | None = None, points_per_wave: int |
         return checked_count("points", points, 1, MAX_POINTS)
     if points_per_wave is not None:
         raise ValueError("a grid takes tolerance or points_per_wave, and not both")
-    if points > stated_errors.MAX_POINTS:
+    if points > MAX_POINTS:
         raise OutOfReachError(
             f"boundary elements need {points:.2g} points for a tolerance of {tolerance:g} g_0, more than "
-            f'{stated_errors.MAX_POINTS}: take a larger tolerance or the method "patches"'
+            f'{MAX_POINTS}: take a larger tolerance or the method "patches"'
         )
     return int(points)
 
@@ -195,7 +194,7 @@ METHOD = Method(
     settings={
         "tolerance": Setting(
             None,
-            f"accepted error of the compliance, in g_0, above {RESIDUAL_FACTOR * MIN_RESIDUAL:g}; "
+            f"accepted error of the compliance, in g_0, above {RESIDUAL_FACTOR * RESIDUAL:g}; "
             "it sets the points, and bounds R poorly: for this use patches",
             TOLERANCES,
         ),

@@ -16,9 +16,6 @@ from weier.theory.bounds import first_contact, slope_bounds
 # z'' dx^2/8 with dx = 2 pi over the points per wave: the error at first contact for a crest half a node off the grid
 MISSED_CREST = (2 * math.pi) ** 2 / 8
 
-MAX_POINTS = 2**21  # takes a second per load
-MAX_CHORDS = 400  # chords per load; more hardly tighten the bounds
-
 
 def compliance_error(profile: Waves, points: int) -> float:
     """Return error of h on `points` nodes, in g_0: the largest curvature of the surface times dx^2/8."""
@@ -60,12 +57,9 @@ def errors(
     (h, R), full = curve, profile.full_contact_load
     rounding = COMPLIANCE_ROUNDING * profile.total_amplitude
     h_error = np.where(loads < full, compliance_error(profile, points) + RESIDUAL_FACTOR * residual, rounding)
-    some = np.unique(np.linspace(0, loads.size - 1, min(loads.size, MAX_CHORDS)).astype(np.int64))
-    other = np.concatenate([[0.0], loads[some], [full]])
-    lower = np.concatenate(
-        [[first_contact(profile) - rounding], (h - h_error)[some], [profile.total_amplitude - rounding]]
-    )
+    other = np.concatenate([[0.0], loads, [full]])
+    lower = np.concatenate([[first_contact(profile) - rounding], h - h_error, [profile.total_amplitude - rounding]])
     low, high = np.zeros((2, loads.size))
-    for part in np.array_split(np.arange(loads.size), math.ceil(loads.size / MAX_CHORDS)):
+    for part in np.array_split(np.arange(loads.size), math.isqrt(loads.size)):  # in blocks, for memory
         low[part], high[part] = slope_bounds(loads[part], (h + h_error)[part], other, lower)
     return h_error, np.where(loads < full, np.maximum(high - R, R - low), 0.0)
