@@ -33,14 +33,24 @@ CONVERGENCE_TOLERANCE = 1e-5  # relative change by one more wave below which tab
 MAX_TABLES = 200  # one table takes some 20 ms
 # beyond, the distance of the exponent of F_k from 1, 2^-k, changes no ratio by more than the tolerance
 LIGHT_TABLES = math.log2(-MIN_LOG_LOAD / CONVERGENCE_TOLERANCE)
-# Spacings of the rows of a table, in arsinh of ln xi below 0 and in ln xi above, and rows on each side of a kink: for
-# a relative error of 1e-4 (tests/methods/test_cascade.py)
-LIGHT_SPACING, HEAVY_SPACING = 0.02, 0.04
+# Spacing of the rows of a table, in arsinh of ln xi below 0 and in ln xi above, and rows on each side of a kink, for
+# a relative error of 1e-4: twice as many change no more (tests/methods/test_cascade.py)
+SPACING = 0.025
 KINK_OFFSETS = np.geomspace(1e-7, 0.06, 24)
-# Nodes and weights of tanh-sinh quadrature on (0, 1), for integrands with singular ends.
-_STEPS = np.arange(-3.2, 3.21, 0.16)
-NODES = 1 / (1 + np.exp(-np.pi * np.sinh(_STEPS)))
-WEIGHTS = 0.16 * np.pi * np.cosh(_STEPS) * NODES * NODES[::-1]
+
+
+def tanh_sinh(count: int) -> tuple[Array, Array]:
+    """Return nodes and weights of tanh-sinh quadrature on (0, 1), for integrands with singular ends.
+
+    The outermost nodes lie the relative rounding of floats from the ends.
+    """
+    end = math.asinh(-math.log(sys.float_info.epsilon) / math.pi)
+    steps, step = np.linspace(-end, end, count, retstep=True)
+    nodes = 1 / (1 + np.exp(-np.pi * np.sinh(steps)))
+    return nodes, step * np.pi * np.cosh(steps) * nodes * nodes[::-1]
+
+
+QUADRATURE = tanh_sinh(41)  # as many nodes as that relative error takes: tests/methods/test_cascade.py
 
 
 class Finest(NamedTuple):
@@ -140,14 +150,14 @@ def _cascaded(finer: Finest | Table, xi: Array, step: float) -> Array:
     ends = [np.arcsin(np.sqrt(np.minimum(_limit(xi, kink * math.exp(step)), 1.0))) for kink in sorted(finer.kinks)]
     ends = [np.zeros(xi.shape), *ends, np.full(xi.shape, np.pi / 2)]
     covered, excess = np.minimum(xi, 1.0)[:, None], np.maximum(xi - 1, 0)[:, None]
-    scale, total = np.sqrt(covered), np.zeros(xi.shape)
+    scale, total, (nodes, weights) = np.sqrt(covered), np.zeros(xi.shape), QUADRATURE
     for start, end in itertools.pairwise(ends):
         width = (end - start)[:, None]
-        sine = np.sin(start[:, None] + width * NODES)
+        sine = np.sin(start[:, None] + width * nodes)
         cosine = np.sqrt(1 - covered + covered * sine**2)  # cos(y)
         load = math.exp(-step) * (2 * scale * cosine * sine + excess)
         slope = np.divide(sine, cosine, out=np.zeros(sine.shape), where=cosine > 0)  # dy over the angle and the scale
-        total += (width * WEIGHTS * slope * finer.scaled_at(load, scale)).sum(axis=1)
+        total += (width * weights * slope * finer.scaled_at(load, scale)).sum(axis=1)
     return np.asarray(2 / np.pi * math.exp(step) * total)
 
 
@@ -167,11 +177,10 @@ def _loads_with(pressure: float) -> tuple[float, float]:
 
 def _rows(kinks: set[float]) -> Array:
     """Return ln xi of the rows of a table: dense where it is singular."""
-    light = -np.sinh(np.arange(math.asinh(-MIN_LOG_LOAD), 0, -LIGHT_SPACING))
+    light, heavy = np.arange(math.asinh(-MIN_LOG_LOAD), 0, -SPACING), np.arange(0, MAX_LOG_LOAD + SPACING, SPACING)
     places = np.log([kink for kink in kinks if kink > 0])[:, None]
     around = places + np.concatenate([-KINK_OFFSETS, [0.0], KINK_OFFSETS])
-    rows = np.concatenate([light, np.arange(0, MAX_LOG_LOAD, HEAVY_SPACING), [MAX_LOG_LOAD], around.ravel()])
-    rows = np.unique(np.clip(rows, MIN_LOG_LOAD, MAX_LOG_LOAD))
+    rows = np.unique(np.clip(np.concatenate([-np.sinh(light), heavy, around.ravel()]), MIN_LOG_LOAD, MAX_LOG_LOAD))
     return rows[np.append(True, np.diff(rows) > KINK_OFFSETS[0] / 2)]
 
 
