@@ -25,7 +25,7 @@ from weier.methods.patches.certificate import (
     stated_errors,
 )
 from weier.methods.patches.contacts import CONTACTS
-from weier.methods.patches.inequalities import find_negative_intervals, minima_between
+from weier.methods.patches.inequalities import NEGATIVE, find_negative_intervals, minima_between
 from weier.methods.patches.kind import FIELD_ROUNDING
 from weier.methods.patches.segments import MINIMUM, Cracks
 from weier.methods.patches.surface import make_series
@@ -166,6 +166,14 @@ def test_tension_of_a_thin_gap_is_taken_off_in_another_one(period, dual, volume,
     force = sum(quad(tension, x[i] - b[i], x[i] + b[i], (1 - i,))[0] for i in range(2))
     nearest = 1 - b.sum() / min(apart * wave.half_width, period - apart * wave.half_width)
     assert force <= (mean - sum(alone)) * period <= force / nearest**2
+
+
+def test_tension_at_an_edge_is_not_a_missing_gap(wave):
+    found, none = np.zeros(2, NEGATIVE), np.zeros(1)
+    found["start"], found["end"], found["value"] = [0.1, 0.9], [0.2, 1.0], -1e-12
+    checks = wave.series(False), 1.0, 1e-3, 0.0
+    state = certify(wave.state(False), none, none, none, np.empty(0, MINIMUM), found, *checks)
+    np.testing.assert_allclose(state.tensions, [[0.0, 0.15, 0.05]], rtol=1e-12)
 
 
 @pytest.mark.parametrize("part", [0.1, 0.4])
@@ -312,9 +320,10 @@ def test_a_contact_or_a_gap_that_may_not_be_there_counts_whole(period):
     assert stated(gap, height_error=1.0) == pytest.approx(8 * np.pi**2 * b**2 / period, rel=1e-3, abs=0)
 
 
-def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual):
+@pytest.mark.parametrize("part", [0.1, 0.4])
+def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual, part):
     """Twice pi^2 b^2 q^2/L, b being 2^(1/2) times the interval of tension, with q by the strength at the edges."""
-    wave = OneWave(period, 0.1 * period, 0.2 * period)
+    wave = OneWave(period, part * period, 0.2 * period)
     tensions = np.array([[0.0, 0.3, 1e-4]])
     r = wave.half_width
     q = max(wave.tangent_strength * np.sqrt(2 / (r * (1 - 0.09))), 1.0)
@@ -323,7 +332,7 @@ def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual):
     # The pressure of an increment is that of the flat punch, cos(pi x/L)/(sin^2(pi a/L) - sin^2(pi x/L))^(1/2).
     y = np.pi / period * 0.3 * r
     exact = np.cos(y) / np.sqrt(np.sin(wave.alpha) ** 2 - np.sin(y) ** 2)
-    assert q == pytest.approx(exact, rel=0.05)
+    assert q == pytest.approx(exact, rel=0.07)
 
 
 def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
@@ -353,7 +362,7 @@ def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
         assert found == pytest.approx(expected * of_length, rel=1e-5, abs=0)
 
 
-@pytest.mark.parametrize(("part", "distance"), [(0.1, 0.5), (0.02, 0.025)])
+@pytest.mark.parametrize(("part", "distance"), [(0.1, 0.5), (0.02, 0.025), (0.45, 0.5)])
 def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, distance):
     """tau^2/(chi L), where tau is at most R + 2 L ln 2, and chi is that of a punch, less the relief by one nearby."""
     wave = OneWave(period, part * period, 0.2 * period)
@@ -365,11 +374,12 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     assert (relief < 0) == (distance < 0.1)
     chi = -2 * np.log(np.pi * b / period) + min(relief, 0.0)
     expected = (wave.resistance + 2 * np.log(2) * period) ** 2 / (chi * period)
-    assert expected < wave.resistance
+    assert (expected < wave.resistance) == (part < 0.4)
+    expected = min(expected, wave.resistance)
     born = added(wave, height_error=HEIGHT, narrow_gaps=gaps)
     assert born == pytest.approx((expected, 2 * b), rel=1e-9, abs=0)
     gaps["value"] = depth * (1 - 1e-12)  # the less it may penetrate, the less
-    assert added(wave, height_error=HEIGHT, narrow_gaps=gaps)[0] < born[0]
+    assert added(wave, height_error=HEIGHT, narrow_gaps=gaps)[0] < born[0] or part > 0.4
     gaps["curvature"] = 0.0  # A flat gap may close over no more than this.
     length = added(wave, height_error=HEIGHT, narrow_gaps=gaps)[1]
     assert length == pytest.approx(2 * np.sqrt(2) * period, rel=1e-9, abs=0)

@@ -47,8 +47,6 @@ class Contacts:
     strength_factor : ratio of the strength of the pressure at an edge to the strength of the density
     certain_strength : largest strength over b_0/a^(1/2) where b_0 is the force, F = pi a b_0/2, which contacts know
         better than their strengths, at most 8^(1/2) F/(pi a^(3/2))
-    residual_power, residual_strength : near an edge the residual is s to this power, times this and the strength of
-        the density
     new_outside, new_within : width of a new contact or gap over the interval of overlap or tension, between segments
         and on one; the width of a gap is exact for a parabola of tension
     """
@@ -65,8 +63,6 @@ class Contacts:
     increment = 0.0
     strength_factor = 1.0
     certain_strength = float(np.sqrt(2.0))
-    residual_power = 1.5
-    residual_strength = 4 * np.pi / 3
     new_outside = NEW_CONTACT_WIDTH
     new_within = float(np.sqrt(2.0))
 

@@ -41,8 +41,6 @@ class Gaps:
     increment = 1.0
     strength_factor = 0.5 / np.pi  # strength ratio at an edge: pressure outside, slope of the gap inside
     certain_strength = np.inf
-    residual_power = 0.5
-    residual_strength = 0.5 / np.pi
     new_outside = float(np.sqrt(2.0))
     new_within = NEW_CONTACT_WIDTH
     limits_within = 0.0, 0.0  # overlap is never allowed, and gaps contain no thin gaps
