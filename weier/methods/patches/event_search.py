@@ -2,8 +2,8 @@
 
 Contacts never split or vanish as the load increases, so that a contact at a heavier load contains two contacts of the
 lighter one (a merger) or none (a birth): `_Search._changes`. `_Search.between` divides the interval until the
-changes are certain (`_is_direct`, `_count_gap_minima`) and expected under one load; `_Search._locate` then finds the
-root of the minimum of the gap before a birth, or of the pressure after a merger.
+edges have certainly advanced without a jump (`_Search._is_direct`) and the changes are expected under one load;
+`_Search._locate` then finds the root of the minimum of the gap before a birth, or of the pressure after a merger.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import stages
 from weier.methods.patches.kind import EPS
-from weier.methods.patches.pressure_and_gap import cotangent_integrals, values_at, values_on_segments
+from weier.methods.patches.pressure_and_gap import values_at
 from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces, segment_strengths
 from weier.methods.patches.solver import MIN_LOAD, check_loads, solve_state
 from weier.methods.patches.start import TOLERANCE, Starts
@@ -28,7 +28,6 @@ from weier.methods.patches.surface import (
     CosineSeries,
     Sides,
     Surface,
-    evaluate_at,
     intervals_between,
     nearest_crests,
 )
@@ -40,20 +39,14 @@ MAX_ADVANCE = 0.5
 # least increment of the load over its trapezoidal rule: half-way between the 2/3 of an edge that has just jumped over
 # a contact and the 1 of rates that are linear (docs/patches.md, "Births and mergers")
 MIN_LOAD_FRACTION = 5 / 6
-# largest interval of ln(p) for root-finding: inverse interpolation through loads decades apart ends 4e-9 from a birth
-# on a crest that is lower by a phase of 1e-7 (tests/methods/patches/test_event_search.py)
-MAX_ROOT_INTERVAL = 0.3
-# difference of expected loads, over the interval, below which events may have one root, as symmetric ones do; events
-# farther apart are separated first, which changes no result
-SAME_LOAD = 1e-4
-# in ln(p): closer events count as one load, and the search for a root ends at a shorter step
+# in ln(p): closer events count as one load, and the search for a root ends at a shorter step, of which the next one
+# would be rounding
 MIN_INTERVAL = 1e-9
-ROOT_ERROR = 1e-11  # relative difference of two interpolations, of which the better one is right to 1e-12
-MAX_ROOT_LOADS = 8  # loads per root search, then the interval is divided; 3 are usual
-# divisions for each finished interval, three times those from a decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
+# divisions for each finished interval, a safeguard: three times those from a decade to `MIN_INTERVAL`,
+# log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
-# samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
-# minimum is located, and then Chebyshev points beside the lowest of these
+# samples of the gap or pressure whose minimum is located, and then Chebyshev points beside the lowest of these: on
+# a whole finest wave they leave an error of pi^16/(2^15 16!) = 1e-10, and beside the lowest 1e-25
 SAMPLES = 16
 
 
@@ -112,7 +105,7 @@ def events(
     Returns
     -------
     Events
-        Loads to about 1e-10 of themselves, by root-finding on the load.
+        Loads to about 1e-10 of themselves, by root-finding on the load. Events closer than 1e-9 have one load.
 
     Raises
     ------
@@ -215,11 +208,11 @@ class _Search(NamedTuple):
             return [(high.load, event) for event in changes], middle
         if is_certain and not changes:
             return [], middle
-        if not is_certain or width >= MAX_ROOT_INTERVAL:
+        if not is_certain:
             return None, middle
         expected = np.sort(np.clip([_expected_load(low, high, change) for change in changes], low.load, high.load))
         widest = int(np.diff(expected, prepend=expected[0]).argmax())
-        if expected[widest] - expected[widest - 1] > SAME_LOAD * (high.load - low.load):
+        if expected[widest] - expected[widest - 1] > MIN_INTERVAL * high.load:
             return None, float(0.5 * (expected[widest - 1] + expected[widest]))
         return self._locate(low, high, changes), middle
 
@@ -241,17 +234,18 @@ class _Search(NamedTuple):
         # the intervals over which left and right edges of contacts of `low` have advanced
         since, until = np.concatenate([left[old], end[is_last]]), np.concatenate([start[is_first], right[old]])
         expected = np.concatenate([before[is_first, 0] + after[old, 0], before[is_last, 1] + after[old, 1]])
-        length, finest = until - since, 2 * np.pi / self.starts.surface.heights.wavenumber[-1]
-        if np.any(length >= MAX_ADVANCE * finest) or not np.all(_is_direct(length, expected, low, high)):
-            return changes, False
-        # At most one minimum of the gap is left where a contact is born, and none elsewhere: if an edge has passed a
-        # minimum, a contact was born there before.
-        births, *places = np.array([change[:4] for change in changes]).reshape(-1, 4).T
-        advances = np.tile(origin[old], 2), since, until
-        around = np.array([np.concatenate(both) for both in zip(places, advances, strict=True)])
-        most, has_length = np.append(births, np.zeros(length.size)), around[2] > around[1]
-        minima = _count_gap_minima(low, low.kind.series(self.starts.surface), *around[:, has_length])
-        return changes, bool(np.all(minima <= most[has_length]))
+        return changes, bool(np.all(self._is_direct(until - since, expected, low, high)))
+
+    def _is_direct(self, length: Array, load_per_advance: Array, low: ContactState, high: ContactState) -> Flags:
+        """Return whether edges have advanced over these lengths between two states without a jump.
+
+        Lengths above `MAX_ADVANCE` of the finest wave are refused, since they may have several dips of k_1.
+
+        load_per_advance : the sum of its values at both ends, of which one is 0 at a birth or merger
+        """
+        furthest = MAX_ADVANCE * 2 * np.pi / self.starts.surface.heights.wavenumber[-1]
+        direct = MIN_LOAD_FRACTION * 0.5 * load_per_advance * length < high.load - low.load
+        return np.asarray((length < furthest) & direct)
 
     def _locate(
         self, low: ContactState, high: ContactState, changes: list[_Event]
@@ -260,34 +254,35 @@ class _Search(NamedTuple):
 
         Contacts are followed from the load where that minimum is positive, the lighter one for births and the
         heavier one for mergers, to the expected load and on by inverse interpolation. Each state starts from
-        contacts interpolated in load. Without result if the changes are of both kinds, have no root or different
-        ones, or if edges have jumped: then another event comes first.
+        contacts interpolated in load. The last step is at most `MIN_INTERVAL`, its error of higher order. Without
+        result if the changes are of both kinds, have no root or different ones, if steps do not decrease, or if edges
+        have jumped: then another event comes first.
         """
         first, surface = changes[0], self.starts.surface
         state = low if first.birth else high
         followed, minima = [state], [_minimum(state, state.kind.series(surface), first)]
-        load, uncertain = _expected_load(low, high, first), np.inf
-        while not (uncertain <= load and low.load < load < high.load):
-            if not low.load < load < high.load or len(followed) > MAX_ROOT_LOADS:
-                return None
+        load, step = _expected_load(low, high, first), np.inf
+        while not step <= MIN_INTERVAL * load:
             try:
                 state = stages.follow_contacts(surface, _interpolate_contacts(followed, load), load)
             except ConvergenceError:
                 return None
             followed.append(state)
             minima.append(_minimum(state, state.kind.series(surface), first))
-            load, difference = _root([state.load for state in followed], [value for _, value in minima])
-            uncertain = min(difference / ROOT_ERROR, abs(load - state.load) / MIN_INTERVAL)
-        rate = abs((minima[-1][1] - minima[0][1]) / (state.load - followed[0].load))
+            load, last = _root([state.load for state in followed], [value for _, value in minima]), step
+            step, rounding = abs(load - state.load), MIN_INTERVAL * load
+            if not (step < last and low.load - rounding < load < high.load + rounding):
+                return None
+        final, rise, advance = minima[-1][1], minima[1][1] - minima[0][1], followed[1].load - followed[0].load
         located: list[tuple[float, _Event]] = []
         for event in changes:
             y, value = minima[-1] if event is first else _minimum(state, state.kind.series(surface), event)
-            is_same = event.birth == first.birth and abs(value - minima[-1][1]) <= rate * MIN_INTERVAL * load
+            is_same = event.birth == first.birth and abs((value - final) * advance) <= abs(rise) * MIN_INTERVAL * load
             length, rate_of_load = np.array([y - event.left, event.right - y]), np.array(event.load_per_advance)
             lighter, heavier = (state, high) if event.birth else (low, state)
-            if not (is_same and np.all(_is_direct(length, rate_of_load, lighter, heavier))):
+            if not (is_same and np.all(self._is_direct(length, rate_of_load, lighter, heavier))):
                 return None
-            located.append((load, event._replace(left=y, right=y)))
+            located.append((min(max(load, low.load), high.load), event._replace(left=y, right=y)))
         return located
 
 
@@ -322,29 +317,10 @@ def _loads_per_advance(state: ContactState, period: float) -> Sides:
     return strength / (2 * tangent)
 
 
-def _is_direct(length: Array, load_per_advance: Array, low: ContactState, high: ContactState) -> Flags:
-    """Return whether edges have advanced over these lengths between two states without a jump.
-
-    load_per_advance : the sum of its values at both ends, of which one is 0 at a birth or merger
-    """
-    return np.asarray(MIN_LOAD_FRACTION * 0.5 * load_per_advance * length < high.load - low.load)
-
-
 def _expected_load(low: ContactState, high: ContactState, change: _Event) -> float:
     """Return the load of an event if its edges advance at a rate that is linear in their distance from it."""
     passed = 0.125 * sum(change.load_per_advance) * (change.right - change.left)
     return high.load - passed if change.birth else low.load + passed
-
-
-def _count_gap_minima(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
-    """Return the number of minima of the gap between origin + left and origin + right, shape (intervals,)."""
-    angle = (np.arange(SAMPLES) + 0.5) * (np.pi / SAMPLES)
-    fraction = 0.5 * (1 - np.cos(angle))  # the samples are closer together at the ends
-    y = left[:, None] + (right - left)[:, None] * fraction
-    sign = np.sign(_gap_slopes(state, series, np.repeat(origin, SAMPLES), y.ravel())).reshape(y.shape)
-    for i in range(1, SAMPLES):
-        sign[:, i] = np.where(sign[:, i] == 0, sign[:, i - 1], sign[:, i])
-    return np.asarray(np.sum((sign[:, :-1] < 0) & (sign[:, 1:] > 0), axis=1))
 
 
 def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[float, float]:
@@ -368,13 +344,13 @@ def _values(state: ContactState, series: CosineSeries, event: _Event, y: Array) 
     return values_at(state, series, *at, event.birth)
 
 
-def _root(loads: list[float], values: list[float]) -> tuple[float, float]:
-    """Return the load at which the values vanish, by inverse interpolation, and how far that without the first is."""
+def _root(loads: list[float], values: list[float]) -> float:
+    """Return the load at which the values vanish, by inverse interpolation."""
     load, value = np.array(loads), np.array(values)
     with np.errstate(divide="ignore", invalid="ignore"):
         for k in range(1, value.size):
-            last, load = load[-1], (value[k:] * load[:-1] - value[:-k] * load[1:]) / (value[k:] - value[:-k])
-    return float(load[0]), abs(float(load[0] - last))
+            load = (value[k:] * load[:-1] - value[:-k] * load[1:]) / (value[k:] - value[:-k])
+    return float(load[0])
 
 
 def _interpolate_contacts(followed: list[ContactState], load: float) -> ContactState:
@@ -395,16 +371,6 @@ def _interpolate_contacts(followed: list[ContactState], load: float) -> ContactS
     # an extrapolated width may vanish
     half_width = np.sqrt(np.maximum(square, 0.25 * nearest.segments.half_width**2))
     return nearest._replace(segments=nearest.segments._replace(centre=centre, half_width=half_width))
-
-
-def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:
-    """Return the slope of the gap at points origin + y off the contacts: -(2 pi/L) int p cot(pi (x-s)/L) ds - z'."""
-    if state.kind.is_slope:
-        return values_on_segments(state.segments.arrays, state.coefficient, series.period, origin, y, False)[1]
-    crest, y = _crest_coordinates(series, origin, y)
-    segments, origin = state.segments.arrays, series.crest_position[crest]
-    integral = cotangent_integrals(segments, state.coefficient, series.period, origin, y)
-    return np.asarray(-2 * np.pi / series.period * integral - evaluate_at(series.local, crest, y, 1))
 
 
 def _crest_coordinates(series: CosineSeries, origin: Array, y: Array) -> tuple[Indices, Array]:

@@ -47,43 +47,15 @@ def gauss_nodes(count: int) -> tuple[Array, Array]:
 
 
 @kernel
-def cotangent_integrals(segments: SegmentArrays, coefficient: Array, period: float, origin: Array, y: Array) -> Array:
-    """Return int rho cot(pi (x-s)/L) ds at any x = origin + y other than a node.
-
-    It is the sum over the nodes, whose cotangents the addition theorem gives, corrected near a segment. The sines of
-    distances from far segments follow from it, too.
-    """
-    integral, factor, (start, centre, half_width, first_node) = np.zeros(y.size), np.pi / period, segments
-    _, at_node, forces = node_forces(segments, coefficient, False)
-    sine, cosine = np.sin(factor * (origin + y)), np.cos(factor * (origin + y))
-    s, c = np.empty(y.size), np.empty(y.size)
-    for j in range(centre.size):
-        r, first, last, middle = half_width[j], first_node[j], first_node[j + 1], factor * (start[j] + centre[j])
-        a, node, force = coefficient[first:last], at_node[first:last] - centre[j], forces[first:last]
-        reach, u, v = far_field_from(a.size), np.cos(middle), np.sin(middle)
-        for i in range(y.size):
-            s[i], c[i] = sine[i] * u - cosine[i] * v, cosine[i] * u + sine[i] * v
-            t = _local_coordinate(start[j], centre[j], r, period, origin[i], y[i])
-            if abs(t) <= reach:
-                integral[i] += _near_field(a, r * t - node, force, r, t, reach, period, 1)
-                s[i], c[i] = np.sin(factor * r * t), np.cos(factor * r * t)
-        for q in range(a.size):
-            f, u, v = force[q], np.cos(factor * node[q]), np.sin(factor * node[q])
-            for i in range(y.size):  # the compiler vectorises this loop
-                integral[i] += f * (c[i] * u + s[i] * v) / (s[i] * u - c[i] * v)
-    return integral
-
-
-@kernel
 def _near_field(
     a: Array, apart: Array, force: Array, r: float, t: float, reach: float, period: float, power: int
 ) -> float:
     """Return by how much an integral over a segment exceeds the sum over its nodes, at its own coordinate t.
 
-    The kernel is ln|2 sin(pi (x-s)/L)| for the power 0, and cot or 1/sin^2 of the same angle for 1 and 2. The poles
-    of the segment, and of its images on both sides if these are near, are integrated in closed form, and summed over
-    the distances `apart` from the nodes. The rest of the kernel is smooth, so that the sum is exact, and from
-    `reach` on (`far_field_from`) the whole.
+    The kernel is ln|2 sin(pi (x-s)/L)| for the power 0, and 1/sin^2 of the same angle for 2. The poles of the
+    segment, and of its images on both sides if these are near, are integrated in closed form, and summed over the
+    distances `apart` from the nodes. The rest of the kernel is smooth, so that the sum is exact, and from `reach` on
+    (`far_field_from`) the whole.
     """
     total, distance = 0.0, np.empty(a.size)
     if abs(t) > reach:
