@@ -117,6 +117,9 @@ def exceedance(pressure: float, mean_pressure: ArrayLike, D: float, gamma: float
             here = flat == skipped
             load, waves = p[here] * np.exp(-step * skipped), int(m - skipped)
             found[here] = _fraction(finest, load, step, waves) if waves else p[here] > pressure
+        with np.errstate(over="ignore"):
+            total = np.expm1(step * m) / np.expm1(step)  # sum of all full-contact pressures, gamma^((D-1) n)
+        found[p >= pressure + total] = 1
     return found.reshape(np.shape(mean_pressure))
 
 
