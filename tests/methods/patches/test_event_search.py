@@ -218,10 +218,14 @@ RIPPLED_BY_THREE = Cosines(
 GAUSSIAN = np.exp(-((np.pi * 0.03 * np.arange(1, 61)) ** 2)) * (-1.0) ** np.arange(1, 61)
 BUMPS = [Cosines(sign * GAUSSIAN, [*range(1, 61)]) for sign in (1, -1)]  # a bump, and a groove
 SOON_MERGED = (4.481869815049773, 4.983182800916742, 2.601251739364986)
+RANDOM, TERMS = np.random.default_rng(48), np.arange(1, 25)
+ROUGH = Cosines(TERMS**-2.1 * RANDOM.normal(size=24), TERMS.tolist(), RANDOM.uniform(0, 2 * np.pi, 24))
 # surface, first and last load over p_0*, and whether contacts are born or merge, where the order matters
 SEARCHES = [
     (THREE_WAVES, 0.3, 10.0, None),
     (Profile(1.25, 2, 5, (np.pi,) * 5), 2.0, 3.0, None),  # contacts that live for 4 % of a load
+    # an edge passes a wave between two loads, and another contact is born beside it
+    (ROUGH, 1e-3 * ROUGH.full_contact_load, 1.2 * ROUGH.full_contact_load, None),
     (Profile(1.5, "5/2", 3, (0.0, 1.0, 2.0)), 0.2, 1.0, None),
     (Profile(1.02, 5, 2, (np.pi, np.pi)), 1e-3, 1.0, None),  # contacts in mirror images
     (Profile(1.25, 5, 4, np.arange(4.0)), 1.0, 1.1, None),  # among many
