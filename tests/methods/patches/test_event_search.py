@@ -124,7 +124,8 @@ def test_more_nodes_change_no_load_of_an_event(monkeypatch):
     heights = np.fft.irfft(np.concatenate([[0], wave, np.zeros(31)]), 128)
     trace = Trace(1e-8 * heights / np.std(heights), 127e-6, unit="m", ends="periodic")
     found = patches.events(trace, 0.01, 1.0)
-    monkeypatch.setattr(stages, "FOLLOWED_TOLERANCE", 1e-24)
+    usual = stages.make_guess
+    monkeypatch.setattr(stages, "make_guess", lambda problem, old, tolerance: usual(problem, old, 1e-24))
     np.testing.assert_allclose(found.mean_pressure, patches.events(trace, 0.01, 1.0).mean_pressure, rtol=1e-11)
 
 

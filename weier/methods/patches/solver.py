@@ -27,10 +27,11 @@ from weier.methods.patches.given_edges import (
     solve_forces_on_contacts,
     transfer_forces,
 )
+from weier.methods.patches.kind import MAX_TOLERANCE
 from weier.methods.patches.pair_sums import MAX_DIRECT, potential
 from weier.methods.patches.pressure_and_gap import values_at
 from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces, make_segments
-from weier.methods.patches.stages import MAX_OVER_TARGET, MAX_TOLERANCE, MIN_TOLERANCE, TARGET, solve_in_stages
+from weier.methods.patches.stages import MAX_OVER_TARGET, MIN_TOLERANCE, TARGET, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import (
     CosineSeries,

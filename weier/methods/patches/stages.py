@@ -18,6 +18,7 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
 from weier.methods.patches.edge_iteration import (
+    MAX_STEPS,
     SETTLED_MOVE,
     ContactProblem,
     NewtonStep,
@@ -30,7 +31,6 @@ from weier.methods.patches.edge_iteration import (
     take_step,
 )
 from weier.methods.patches.given_edges import (
-    MAX_DIRECT,
     Forces,
     Punches,
     solve_tangent,
@@ -40,7 +40,8 @@ from weier.methods.patches.inequalities import (
     find_missing,
     find_negative_intervals,
 )
-from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_TENSION, KindNumbers, numbers_of
+from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_TENSION, MAX_TOLERANCE, KindNumbers, numbers_of
+from weier.methods.patches.pair_sums import MAX_DIRECT
 from weier.methods.patches.rule import Table, expand_forces
 from weier.methods.patches.segments import (
     ContactState,
@@ -53,17 +54,6 @@ from weier.methods.patches.start import with_fewer_nodes
 from weier.methods.patches.surface import Sides, Surface
 from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
-MAX_STEPS = 60  # Newton steps per load; 2.6 on average, at most 9 for 4 000 hard loads
-# Steps after which moves that reach no new least value are rounding, as those of a light contact among the finest of
-# 10^4 waves are; the stated errors contain them.
-MAX_STALLED = 4
-# largest relative tolerance of the residual: 1e-4 saves no more time, and a loose one may insert a gap whose edges it
-# cannot determine, which then vanishes again; also that for the nodes of the first step, which leaves edges off by
-# thousandths on any nodes
-MAX_TOLERANCE = 1e-5
-# For the nodes of contacts that are followed, which have no stage 3: the least pressure of merged contacts needs more
-# nodes than the compliance. With 1e-10, loads of events of traces were up to 1e-7 off, with 1e-16 up to 2e-10.
-FOLLOWED_TOLERANCE = 1e-18
 # Largest allowed ratio of the stage-3 residual to the target of the iteration. It is also the ratio of the target to
 # the residual of the equations, and a second attempt (`solve_state`) divides its tolerance by it.
 MAX_OVER_TARGET = 10.0
@@ -166,21 +156,22 @@ def converge(
     but not in R. ConvergenceError is raised after `most` steps, or if segments vanish or merge though their set
     `is_fixed`.
     """
-    last_move, least_move, stalled = np.inf, np.inf, 0
+    last_move = settled_move = np.inf
     for steps in range(1, most + 1):
         step = take_step(problem, now, limits.residual)
         if is_fixed and step.changed:
             break
-        least_move, stalled = (step.move, 0) if step.move < least_move else (least_move, stalled + 1)
-        is_stalled = stalled >= MAX_STALLED and step.settled and step.forces.residual < limits.target
-        if is_stalled or _converged(step, limits, last_move):
+        # Moves that have settled and no longer fall are rounding, which the stated errors contain.
+        is_rounding = step.settled and settled_move <= step.move and step.forces.residual < limits.target
+        if is_rounding or _converged(step, limits, last_move):
             return step, step, steps
         # Segments that have not settled keep their nodes.
         segments, enough = step.punches.segments, limits.target if step.settled else np.inf
         counts, is_short = node_counts(segments.first_node, segments.half_width, step.b, enough)
         if _ends(step, limits, last_move) and not is_short:
             return step, carried_along(step, limits.rounding), steps
-        last_move, now = step.move, next_guess(problem, step, limits.tolerance, counts)
+        last_move, settled_move = step.move, np.inf if is_short or step.changed else step.move
+        now = next_guess(problem, step, limits.tolerance, counts)
     load = f"{problem.load:.6g} p_0*"
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load}")
 
@@ -189,7 +180,9 @@ def follow_contacts(surface: Surface, start: ContactState, load: float) -> Conta
     """Follow the contacts of a state to another load, without births and mergers, at the smallest tolerance."""
     old, problem = start.segments, ContactProblem(start.kind.series(surface), load, start.kind)
     limits = load_limits(problem, old.half_width, MIN_TOLERANCE)
-    guess = make_guess(problem, old, FOLLOWED_TOLERANCE)
+    # No stage 3 adds nodes, so that they are enough for the target of a tolerance of rounding: the least pressure of
+    # merged contacts needs more than the compliance. With 1e-10, loads of events of traces were up to 1e-7 off.
+    guess = make_guess(problem, old, TARGET * EPS)
     # psi = (1-t^2) phi from phi, whose last two coefficients are 0
     b = 0.5 * (start.coefficient - np.append([0.0, 0.0], start.coefficient[:-2]))
     guess = start_from(old, b, np.arange(old.centre.size), guess)

@@ -20,7 +20,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.method import TOLERANCES
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS
-from weier.methods.patches.kind import Kind
+from weier.methods.patches.kind import MAX_TOLERANCE, Kind
 from weier.methods.patches.segments import (
     ContactState,
     Segments,
@@ -46,13 +46,9 @@ from weier.theory.halfplane import displacement_at_distance, punch_displacement
 # relative accuracy of a guess: of the forces of isolated contacts and of the tangent pressure on grids, of the
 # residual of boundary elements over the finest wave, of an expansion for a wave, and of a line force for a contact
 GUESS_TOLERANCE = 0.02
-MAX_RESOLVED_ANGLE = (
-    3.0  # largest half-width in radians of the finest wave on `NODES` nodes, with an error J_8(3) of 5e-4
-)
 # contacts whose forces are found as line forces, by dense equations, in as many steps; 3 or 4 are usual
 MAX_ISOLATED = 32
 POINTS_PER_WAVE = 16  # points per finest wave of the grid
-GRID_TOLERANCE = 1e-5  # largest residual of boundary elements for a guess, in g_0
 # default tolerance of the compliance, in g_0, for which the numbers of nodes are compared: for 1e-4, contacts were
 # chosen at loads at which gaps are up to three times as fast
 TOLERANCE = 1e-10
@@ -75,7 +71,7 @@ class Starts:
     @cached_property
     def _grid(self) -> NestedSolver:
         points = POINTS_PER_WAVE * self.profile.waves_per_period[-1]
-        tolerance = min(GRID_TOLERANCE, GUESS_TOLERANCE * abs(float(self.profile.amplitude[-1])))
+        tolerance = min(MAX_TOLERANCE, GUESS_TOLERANCE * abs(float(self.profile.amplitude[-1])))
         # The finest waves of a smooth measured surface are rounding.
         return NestedSolver(self.profile, points, max(TOLERANCE, tolerance))
 
@@ -140,7 +136,7 @@ def with_fewer_nodes(surface: Surface, guess: ContactState) -> ContactState:
 
 def _widest(series: CosineSeries) -> float:
     """Return the largest half-width of a guess from the expansion of a crest."""
-    return 0.5 * MAX_RESOLVED_ANGLE / float(series.wavenumber[-1])
+    return 0.5 * np.pi / float(series.wavenumber[-1])
 
 
 def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
@@ -184,9 +180,7 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
 
         is_new = True
         while is_new:
-            y, half_width, found = settle_edges(
-                singularities, y, half_width, MAX_RESOLVED_ANGLE / series.wavenumber[-1], GUESS_TOLERANCE
-            )
+            y, half_width, found = settle_edges(singularities, y, half_width, 2 * _widest(series), GUESS_TOLERANCE)
             places = merge_overlaps(np.stack([origin + y, half_width]), period)
             is_new = places.shape[1] < crest.size
             if not found.all() or (is_new and not merges):

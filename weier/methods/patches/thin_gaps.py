@@ -15,17 +15,15 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import evaluate_expansion, gauss_rule
-from weier.methods.patches.edge_iteration import MAX_SQUARE
+from weier.methods.patches.edge_iteration import MAX_SQUARE, MAX_STEPS
 from weier.methods.patches.given_edges import Forces, Punches
-from weier.methods.patches.kind import OnContacts
+from weier.methods.patches.kind import EPS, OnContacts
 from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails
 from weier.methods.patches.surface import CosineSeries, Sides
 
 # nodes on a crack: the pressure is a polynomial of low degree up to terms in b/l, with l the distance to the nearest
 # edge; 8 nodes resolve it to rounding up to b = l/10
 NODES = 8
-# Newton steps for the edges: a parabola takes one, and a gap in x^n that starts too wide shrinks by (1 - 2/n)^(1/2)
-MAX_STEPS, MAX_SETTLED_MOVE = 60, 1e-6
 
 
 def settle_edges(
@@ -33,7 +31,7 @@ def settle_edges(
     middle: Array,
     half_width: Array,
     most: float,
-    enough: float = MAX_SETTLED_MOVE,
+    enough: float = float(np.sqrt(EPS)),
 ) -> tuple[Array, Array, Flags]:
     """Return middles and half-widths of segments without interaction by Newton's method, and which settle.
 
