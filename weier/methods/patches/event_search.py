@@ -298,16 +298,15 @@ def _sort_into(
 ) -> tuple[Indices, Array, Array, Indices]:
     """Return the contact around the midpoint of each smaller one, its edges from that one's origin, and its index.
 
-    They are ordered from left to right. Midpoints are farther from edges than positions along the period are rounded,
-    or are counted from the same origin.
+    They are ordered from left to right. As the load rises, contacts grow and gaps shrink, so that none lies outside.
+    Midpoints are farther from edges than positions along the period are rounded, or are counted from the same origin.
     """
-    (origin, left, right), (start, lefts, rights) = contacts, smaller
+    (origin, left, _), (start, lefts, rights) = contacts, smaller
     middle, base = 0.5 * (lefts + rights), origin[0] + left[0]
     ahead = np.searchsorted((origin + left - base) % period, (start + middle - base) % period, side="right")
     within, shift = ahead - 1, start - origin[ahead - 1]
     shift += np.ceil((left[within] - shift - middle) / period) * period
-    outside = np.count_nonzero(is_outside := middle + shift >= right[within])
-    order = np.lexsort((middle + shift, within, ~is_outside))[outside:]
+    order = np.lexsort((middle + shift, within))
     return within[order], (lefts + shift)[order], (rights + shift)[order], order
 
 
