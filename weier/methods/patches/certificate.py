@@ -16,7 +16,7 @@ from weier.kernels.jit import in_any_order, kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
-from weier.methods.patches.kind import EPS, FIELD_ROUNDING
+from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_TOLERANCE
 from weier.methods.patches.pressure_and_gap import residuals_in_order
 from weier.methods.patches.segments import ContactState, SegmentArrays, edge_strengths
 from weier.methods.patches.surface import (
@@ -33,8 +33,7 @@ MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for
 # Between N samples a residual, of the degree n = K + 2 on K nodes, is at most 1/cos(pi n/2N) times as large
 # (docs/patches.md): twice, with N = 3 n/2 or more.
 SAMPLED_FACTOR = 2.0
-# relative error of R, an energy, by its conjugate gradients: half the square of their largest reduction, 1e-5
-TANGENT_ERROR = 5e-11
+TANGENT_ERROR = MAX_TOLERANCE**2 / 2  # of R over R, an energy: half the square of the largest reduction of residuals
 # Estimates of first order count twice: the next move of an edge that has not settled; an edge of a narrow gap, which
 # neglects the motion of the opposite edge; a missing gap, which assumes parabolic tension, and the loss of one; and
 # the interaction of a crack with its neighbours. No error exceeded them (docs/numerics.md, "How often stated errors
