@@ -15,11 +15,7 @@ studies:
 
 
 @pytest.fixture(scope="session")
-def loaded(tmp_path_factory):
-    return scene_in(tmp_path_factory.mktemp("scene"), SCENE)
-
-
-@pytest.fixture(scope="session")
-def solutions(loaded, tmp_path_factory):
+def solutions(tmp_path_factory):
     """All its cases, in several files."""
-    return solve_scene(loaded, tmp_path_factory.mktemp("scene") / "curves", jobs=2)
+    folder = tmp_path_factory.mktemp("scene")
+    return solve_scene(scene_in(folder, SCENE), folder / "curves", jobs=2)

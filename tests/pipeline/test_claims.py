@@ -289,9 +289,9 @@ def test_single_profiles_and_the_other_datum_stand_beside_the_verdict():
 
 
 @pytest.fixture
-def solved_with(loaded, solutions):
+def solved_with(solutions):
     """The solved scene, with claims about its studies."""
-    return lambda **names: Curves(replace(loaded, claims=names), solutions.store)
+    return lambda **names: Curves(replace(solutions.scene, claims=names), solutions.store)
 
 
 def test_a_scene_names_claims_that_there_are(solved_with):

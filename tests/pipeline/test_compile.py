@@ -8,16 +8,12 @@ from tests.marks import compiled
 # In a process that has solved nothing before, and so remembers no result: a kernel is compiled if Python calls it, or
 # if one that is compiled names it, since numba compiles the branches that are not taken as well.
 PROGRAM = """
-import inspect, pkgutil, sys
+import inspect, pkgutil
 from importlib import import_module
 import weier
+from numba.types import BaseNamedTuple, BaseTuple
 from weier.kernels.jit import Kernel
-
-called, run = set(), Kernel.__call__
-
-def noted(kernel, *arguments):
-    called.add(kernel)
-    return run(kernel, *arguments)
+from weier.pipeline.compile import compile_kernels
 
 def inside(kernel):
     code, given = kernel.function.__code__, kernel.function.__globals__
@@ -25,19 +21,16 @@ def inside(kernel):
     places = [given, *(vars(given[name]) for name in names if inspect.ismodule(given.get(name)))]
     return {place[name] for place in places for name in names & place.keys() if isinstance(place[name], Kernel)}
 
-Kernel.__call__ = noted
-from numba.types import BaseNamedTuple, BaseTuple
-from weier.pipeline.compile import compile_kernels
-
 def names_fields(kind):
     return isinstance(kind, BaseNamedTuple) or isinstance(kind, BaseTuple) and any(map(names_fields, kind))
 
 compile_kernels()
-signatures = {kernel: kernel.compiled.nopython_signatures for kernel in called}
-crashing = {kernel for kernel, made in signatures.items() if any(names_fields(one.return_type) for one in made)}
 names = [module.name for module in pkgutil.walk_packages(weier.__path__, "weier.") if "__main__" not in module.name]
 modules = list(map(import_module, names))
 known = {value for module in modules for value in vars(module).values() if isinstance(value, Kernel)}
+called = {kernel for kernel in known if "compiled" in vars(kernel)}
+signatures = {kernel: kernel.compiled.nopython_signatures for kernel in called}
+crashing = {kernel for kernel, made in signatures.items() if any(names_fields(one.return_type) for one in made)}
 reached = set()
 while called:
     reached |= called

@@ -3,10 +3,6 @@
 import json
 import re
 import shutil
-import signal
-import subprocess
-import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,13 +10,12 @@ import xarray as xr
 
 from tests.scenes import curves_in, read, scene_in, solve_scene, write_data
 from weier.api import batch
-from weier.methods import registry
 from weier.methods.registry import find_method
 from weier.methods.settings import defaults
 from weier.pipeline import adopt as adoption
 from weier.pipeline import jobs
 from weier.pipeline.adopt import RECORD, adopt
-from weier.pipeline.gather import read_study
+from weier.pipeline.gather import Solved, read_study
 from weier.pipeline.needed_curves import SURFACE, Kind
 from weier.pipeline.store import Store
 from weier.pipeline.workflow import missing
@@ -89,17 +84,12 @@ def test_the_same_value_is_one_however_it_is_written():
     assert identity("m", np.inf) == np.inf
 
 
-def test_another_setting_or_default_is_another_kind_and_other_phases_are_another_surface(tmp_path, monkeypatch):
+def test_another_setting_or_default_is_another_kind_and_other_phases_are_another_surface(tmp_path):
     def name(**settings):
         return curves_of(tmp_path, methods=["layer"], settings={"layer": settings}).parts[0].kind.name
 
-    method = find_method("layer")
-    usual = defaults(method)["points"]
-    assert name() == name(points=usual) != (other := name(points=usual + 1))
-    points = method.settings["points"]._replace(default=usual + 1)
-    changed = replace(method, settings={**method.settings, "points": points})
-    monkeypatch.setattr(registry, "METHODS", tuple(changed if one is method else one for one in registry.METHODS))
-    assert name() == other
+    usual = defaults(find_method("layer"))["points"]
+    assert name() == name(points=usual) != name(points=usual + 1)
     axes = {"D": 1.25, "gamma": 2, "m": 3, "phases": [[0, 1, 2], [0, 2, 1]]}
     phases = {"studies": {"one": {"product": axes}}}
     assert len({*curves_of(tmp_path, **phases).surfaces[0].keys.tolist()}) == 2
@@ -153,36 +143,24 @@ def test_an_error_of_one_curve_fails_the_job_once_the_others_are_solved(tmp_path
     assert any("bem: m = inf has no finest wave" in line for line in said)
 
 
-SLOW = """
-import sys, time
-from weier.__main__ import run
-from weier.pipeline import jobs
-own = jobs._row
-def slow(*given):
-    print("solved", flush=True)
-    time.sleep(0.1)
-    return own(*given)
-jobs._row, jobs.APPEND_SECONDS = slow, float(sys.argv.pop(1))
-run()
-"""
+def test_jobs_that_are_stopped_keep_their_curves_and_the_next_one_solves_the_rest(tmp_path, monkeypatch):
+    """Ctrl-C, as which SIGTERM counts, loses no curve, and a kill those since the last segment."""
+    curves, row, left = curves_of(tmp_path, methods=["archard", "demelio"]), jobs._row, []
 
-
-def test_jobs_that_are_stopped_keep_their_curves_and_the_next_one_solves_the_rest(tmp_path, ctrl_c):
-    curves = curves_of(tmp_path, methods=["archard", "demelio"])
-    store = [curves.store.numerics, curves.store.folder]
-    of = ["curves", "scene/all.products", "0-of-1", *store, tmp_path]
-    left = [sum(count(lacking(curves)).values())]
-    for stop, seconds in ((signal.SIGKILL, 0), (signal.SIGTERM, 60), (signal.SIGINT, 60)):
-        job = subprocess.Popen([sys.executable, "-c", SLOW, str(seconds), *of], stdout=-1, stderr=-1, text=True)
-        for _ in range(6):
-            assert job.stdout.readline() == "solved\n"
-        job.send_signal(stop)
-        _, said = job.communicate(timeout=60)
-        assert (job.returncode != 0, "Traceback" in said) == (True, False)
+    def stopped(*given):
         left.append(sum(count(lacking(curves)).values()))
-        assert left[-1] <= left[-2] - 5
-    assert left[-1] > 0
-    subprocess.run([sys.executable, "-m", "weier", *of], check=True, capture_output=True)
+        if len(left) % 6 == 0:
+            raise KeyboardInterrupt
+        return row(*given)
+
+    monkeypatch.setattr(jobs, "_row", stopped)
+    for seconds in (60, 0):
+        monkeypatch.setattr(jobs, "APPEND_SECONDS", seconds)
+        with pytest.raises(KeyboardInterrupt):
+            jobs.solve(lacking(curves), curves.store, "test", lambda line: None)
+    assert left == [left[0]] * 6 + [left[0] - number for number in range(5, 11)]
+    monkeypatch.undo()
+    jobs.solve(lacking(curves), curves.store, "test", lambda line: None)
     assert lacking(curves) == []
 
 
@@ -278,9 +256,10 @@ def test_curves_of_other_code_are_adopted_if_a_sample_is_the_same_or_if_asked_wi
     monkeypatch.setattr(jobs, "_row", found_by_this_code)
     monkeypatch.setattr(adoption, "SAMPLE", 1 if is_within is None else 50)
     for within_errors in (False, True):
-        folder, said = shutil.copytree(solved.store.folder, tmp_path / f"copy {within_errors}"), []
+        folder = shutil.copytree(solved.store.folder, tmp_path / f"copy {within_errors}")
         old = curves_in(solved.scene, folder)
-        assert adopt([old], Store(folder, old.store.numerics), within_errors, said.append) == len(EVERY)
+        said = [*adopt([old], Store(folder, old.store.numerics), within_errors)]
+        assert len(said) == len(EVERY)
         expected = EVERY if is_within is None or (within_errors and is_within) else EVERY - {method}
         assert {line.partition("-")[0] for line in said if line.endswith(": adopted")} == expected
         assert {part.kind.method for part in lacking(old)} <= EVERY - expected
@@ -317,6 +296,16 @@ def test_curves_of_jobs_are_those_of_cases_solved_one_by_one(tmp_path, methods):
         xr.testing.assert_equal(found[name].variable, expected[name].variable)
     assert found.attrs["origin_0"] == "test"
     assert np.unique(found.origin.values[found.status.values == 0]).tolist() == [0]
+
+
+def test_the_edges_of_a_case_are_those_of_the_last_method_that_found_some_alone(tmp_path):
+    curves = curves_of(tmp_path, methods=["bem", "patches"], contact_edges=True)
+    for part, edges, every in zip(curves.parts, (4, 2), (1, 2), strict=True):
+        found = {key: {"contact_edge": np.full((2, edges), edges)} for key in part.keys[::every]}
+        curves.store.append(part.kind, found, "test")
+    fill(curves)
+    by_turns = np.array([[2, 2, np.nan, np.nan], [4, 4, 4, 4]] * 6)
+    np.testing.assert_equal(Solved(curves).values("contact_edge")[:, 0], by_turns)
 
 
 def test_a_file_has_the_loads_of_all_studies_and_each_study_its_own(tmp_path):

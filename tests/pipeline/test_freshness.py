@@ -29,18 +29,11 @@ def package(tmp_path, monkeypatch):
 
 # --- 1. Code that changes while a run works files no curve under the digest of the plan. ---
 
-SHORT = {
-    "title": "t",
-    "loads": [0.1, 1.0],
-    "methods": ["archard", "demelio"],
-    "studies": {"one": {"product": {"D": [1.25, 1.5], "gamma": 2, "m": [1, 2]}}},
-}
-
 
 @pytest.mark.parametrize("module", ["methods/demelio.py", "scene/case.py", ""])
 def test_code_that_changes_while_a_job_works_is_no_code_of_its_curves(tmp_path, package, monkeypatch, module):
     """Also another version of a package. What was appended before stays, and an undone edit leaves nothing behind."""
-    curves = curves_in(scene_in(tmp_path, SHORT), tmp_path / "curves")
+    curves = curves_in(scene_in(tmp_path, SCENE), tmp_path / "curves")
     own, done = jobs._row, []
 
     def edited(*given):

@@ -69,11 +69,11 @@ def make(scene_file: Path, store: Path, folder: Path) -> None:
 
     curves = Curves(weier.load_scene(scene_file), Store(store, numerics()))
     what = folder.name.rpartition(".")[0]
+    unfinished = folder.with_name(f"{folder.name}.unfinished")  # FOLDER appears only as a whole
+    shutil.rmtree(unfinished, ignore_errors=True)  # of a killed job: its stamps are not in the plan
     job, names = job_of(curves.scene, what, partial(stamp_of, curves, folder.parents[1]))
     if folder.name != job:
         raise ValueError(f"{scene_file.stem} or weier has changed since the plan: run snakemake again")
-    unfinished = folder.with_name(f"{folder.name}.unfinished")  # FOLDER appears only as a whole
-    shutil.rmtree(unfinished, ignore_errors=True)
     made = []
     for name in names:
         click.echo(f"make {scene_file.stem} {name}", err=True)
@@ -109,5 +109,5 @@ def adopt(scenes: Sequence[Path], folder: Path, within_errors: bool) -> None:
 
     store = Store(folder, numerics())
     wanted = [Curves(weier.load_scene(path), store) for path in scenes]
-    compared = adopt_curves(wanted, store, within_errors, click.echo)
+    compared = sum(1 for _ in map(click.echo, adopt_curves(wanted, store, within_errors)))
     click.echo(f"{compared} kinds of curves of other code were compared with that of {store.numerics}")

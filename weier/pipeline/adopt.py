@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -21,18 +21,16 @@ RECORD = "adopted.json"  # holds the last comparison, next to the segments
 NOT_COMPARED = ("seconds", ORIGIN)  # these differ from run to run
 
 
-def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Callable[[str], None]) -> int:
+def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool) -> Iterator[str]:
     """Compare curves of other numerics that scenes lack with new solutions, and copy those that agree.
 
     All bits of all quantities must agree, or with `within_errors`, compliance and resistance must agree within the
     sum of their stated errors. The new solutions stay in the store. Beside the segments of the present numerics,
-    `adopted.json` has both digests and the result. Return the number of comparisons, one for each kind and other
-    numerics.
+    `adopted.json` has both digests and the result. Yield the result of each kind and other numerics in words.
     """
     by_kind: dict[str, list[Part]] = {}
     for part in store.lacking(part for curves in scenes for part in curves.parts_for()):
         by_kind.setdefault(part.kind.name, []).append(part)
-    compared = 0
     for name, wanted in by_kind.items():
         folders = [path for path in (store.folder / name).glob("*/") if path != store.segments(name)]
         for folder in sorted(folders, key=lambda path: path.stat().st_mtime, reverse=True):  # the newest first
@@ -51,9 +49,7 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
             store = Store(store.folder, store.numerics)  # a new store reads the copies
             agree = "the same bits" if identical else "within the stated errors" if accepted else "they differ"
             verdict = "adopted" if accepted else "not adopted"
-            say(f"{name} of {other.numerics}: {count} curves solved again, {agree}: {verdict}")
-            compared += 1
-    return compared
+            yield f"{name} of {other.numerics}: {count} curves solved again, {agree}: {verdict}"
 
 
 def _sample(lacking: Iterable[Part], other: Store) -> list[Part]:

@@ -29,13 +29,9 @@ def compile_kernels(names: Collection[str] = ()) -> None:
         if method.run_kernels and not name.endswith(CURVES):
             method.run_kernels()
         if not name.endswith(OTHERS):
-            _solve_curves(method.name)
+            for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
+                with suppress(NotApplicableError):
+                    CurveTask(profile, method.name, {}, loads).solve()
     if not names:
         fields(TWO_WAVES, 0.1)
         events(TWO_WAVES, LOADS[0], LOADS[-1])
-
-
-def _solve_curves(method: str) -> None:
-    for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
-        with suppress(NotApplicableError):
-            CurveTask(profile, method, {}, loads).solve()

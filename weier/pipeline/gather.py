@@ -6,7 +6,6 @@ The studies of a case come from the scene, so that renaming a study solves nothi
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Collection, Iterable
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +19,7 @@ from weier.api.rows import BOUNDS
 from weier.data import provenance, variables
 from weier.data.dataset import append, over_cases, write_file
 from weier.data.files import replacing
-from weier.data.si import marked, with_pressures_in
+from weier.data.si import converted, with_pressures_in
 from weier.data.variables import CASE, CURVE, LABEL, LOADS, VARIABLES
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
@@ -43,8 +42,7 @@ class Solved:
         self._surfaces, found = ([*self._among(parts)] for parts in (curves.surfaces, curves.parts))
         self.methods = list(dict.fromkeys(part.kind.method for part, *_ in found))
         self._parts = sorted(found, key=lambda own: self.methods.index(own[0].kind.method))
-        loads = {id(part.product): part.product.loads for part, *_ in self._surfaces}
-        self.loads = np.unique(np.concatenate([*loads.values()]))
+        self.loads = np.unique(np.concatenate([part.product.loads for part, *_ in self._surfaces]))
 
     def _among(self, parts: Iterable[Part]) -> Iterable[Own]:
         """Yield each part with its rows in the dataset, reduced to these cases, and their rows in the store."""
@@ -90,7 +88,11 @@ class Solved:
         own = [sizes.get(dim, 0) for dim in dims if dim not in (CASE, "solution_method")]
         shape = np.max([own, *(values.shape[1:] for _, values in found)], axis=0).astype(int)
         joined = variables.blank(name, (len(self.cases), *[len(self.methods)] * by_method, *shape))
-        for place, values in found:  # the last method of a case provides its edges
+        for place, values in found:
+            if "edge" in dims:  # those of the last method that found some, and none of another one behind them
+                told = np.isfinite(values).any((1, 2))
+                place, values = (place[0][told],), values[told]
+                joined[place] = np.nan
             joined[(*place, *map(slice, values.shape[1:]))] = values
         return joined
 
@@ -147,21 +149,19 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
     with replacing(path) as temporary:
         write_file(data, temporary)
         for name in over_loads:
-            one = marked(labels.assign({name: (CURVE, solved.values(name), variables.attributes(name))}))
+            one = labels.assign({name: (CURVE, solved.values(name), variables.attributes(name))})
             append(in_units_of(scene, one)[name], temporary, data.coords)
         if scene.in_si and scene.interface:
-            judged = [name for name in ("compliance", "contact_fraction") if name in solved.names]
-            own = {name: (CURVE, solved.values(name)) for name in judged}
+            names = {"compliance", "contact_fraction"}.intersection(solved.names)
+            own = {name: (CURVE, solved.values(name)) for name in names}
             scene.interface.warn_of_yield(xr.Dataset(own, {LOADS: (LOADS, solved.loads, {"units": PASCAL})}))
 
 
 def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
     """Return data of a scene in SI units, with its bodies as attributes, if its loads are in Pa."""
-    if not scene.in_si or scene.interface is None:
+    if not scene.in_si or not (bodies := scene.interface):
         return data
-    with warnings.catch_warnings():  # `write` warns of yield once
-        warnings.simplefilter("ignore")
-        return scene.interface.in_si(data).drop_attrs(deep=False).assign_attrs(scene.interface.given)
+    return converted(data, bodies.scales(data)).drop_attrs(deep=False).assign_attrs(bodies.given)
 
 
 def case_labels(scene: Scene) -> xr.Dataset:

@@ -17,7 +17,6 @@ from weier.scene.case import Case
 
 # Seconds of work lost if a job is killed (an append takes 0.02 s), and a number of rows that fits into memory.
 APPEND_SECONDS, MAX_ROWS = 10.0, 50_000
-CHANGED = "the code of weier has changed since the plan: run snakemake again, which plans with the new code"
 
 
 def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str], None]) -> None:
@@ -59,7 +58,7 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
 def check_code(store: Store) -> None:
     """Raise ValueError if the code on disk has other numerics than the store."""
     if numerics() != store.numerics:
-        raise ValueError(CHANGED)
+        raise ValueError("the code of weier has changed since the plan: run snakemake again")
 
 
 def _row(kind: Kind, case: Case, say: Callable[[str], None]) -> dict[str, Any]:

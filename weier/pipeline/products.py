@@ -32,9 +32,8 @@ def names_of(scene: Scene) -> list[str]:
 
 def files_of(product: str) -> list[str]:
     """Return the files of a product, in the folder of its scene."""
-    if product in (DATA, PAGE):
-        return [DATA, CLAIMS] if product == DATA else [PAGE]
-    return [f"figures/{product}.{suffix}" for suffix in FORMATS]
+    of_figure = [f"figures/{product}.{suffix}" for suffix in FORMATS]
+    return {DATA: [DATA, CLAIMS], PAGE: [PAGE]}.get(product, of_figure)
 
 
 def studies_of(scene: Scene, product: str) -> tuple[str, ...]:

@@ -88,9 +88,8 @@ class Store:
         """Append curves as one segment, atomically: the data are synced to disk before the file gets its name."""
         if not (about := self.folder / kind.name / "kind.json").exists():
             write_text(about, json.dumps(asdict(kind), indent=1, sort_keys=True) + "\n")
-        names = dict.fromkeys(name for row in rows.values() for name in row)
         columns = {KEY: np.array([*rows], np.uint64), ORIGIN: np.array(origin)}
-        for name in names:
+        for name in dict.fromkeys(name for row in rows.values() for name in row):
             values = [(slice(n, n + 1), np.array([row[name]])) for n, row in enumerate(rows.values()) if name in row]
             columns[name] = _joined(len(rows), values)
         np.savez_compressed(content := io.BytesIO(), allow_pickle=False, **columns)

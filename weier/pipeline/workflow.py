@@ -131,7 +131,7 @@ class Plan:
         if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
             return []
         try:
-            check_target(cache_folder() / "compiled" / "any")
+            check_target(kernels_file("any"))
         except OSError:
             return []
         named = {part.kind.method for part in self.missing(wildcards.what)} - {SURFACE}

@@ -1,7 +1,7 @@
 """Stop a process at its worst moment: the file is written, and not yet in its place.
 
-On the path of a Python with PAUSE_AT and PAUSE_FILE in its environment. It leaves its number in PAUSE_FILE, and goes
-on once that is gone.
+On the path of a Python with PAUSE_AT and PAUSE_FILE in its environment. It leaves its number in PAUSE_FILE, which is
+empty, and goes on once that is gone. No other process stops then.
 """
 
 import os
@@ -12,9 +12,8 @@ replace = os.replace
 
 
 def paused_replace(source, target, **options):
-    if str(target).endswith(os.environ.get("PAUSE_AT", "\0")):
-        del os.environ["PAUSE_AT"]  # a process stops once
-        here = Path(os.environ["PAUSE_FILE"])
+    here = Path(os.environ["PAUSE_FILE"])
+    if str(target).endswith(os.environ["PAUSE_AT"]) and here.exists() and not here.read_text():
         here.write_text(str(os.getpid()))
         while here.exists():
             time.sleep(0.02)
