@@ -8,7 +8,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from weier.api.fields import events, fields
+from weier.api.fields import fields
 from weier.api.task import CurveTask
 from weier.methods import registry
 from weier.methods.errors import NotApplicableError
@@ -23,7 +23,7 @@ INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # A small tail needs only smal
 
 
 def compile_kernels(names: Collection[str] = ()) -> None:
-    """Compile the kernels of some methods or shares, or of all and of fields and events, by running them."""
+    """Compile the kernels of some methods or shares, or of all and of fields, by running them."""
     for name in names or registry.names():
         method = find_method(name.removesuffix(CURVES).removesuffix(OTHERS))
         if method.run_kernels and not name.endswith(CURVES):
@@ -34,4 +34,3 @@ def compile_kernels(names: Collection[str] = ()) -> None:
                     CurveTask(profile, method.name, {}, loads).solve()
     if not names:
         fields(TWO_WAVES, 0.1)
-        events(TWO_WAVES, LOADS[0], LOADS[-1])
