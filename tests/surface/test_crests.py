@@ -9,6 +9,7 @@ from scipy.special import comb
 from weier import Profile
 from weier.surface.crests import (
     MAX_CURVATURE,
+    MAX_FOURTH,
     MAX_THIRD,
     ORDER,
     count_nodes,
@@ -202,6 +203,7 @@ def test_bounds_of_derivatives_are_attained_at_the_end_of_a_step():
     z = np.polynomial.Polynomial(np.random.default_rng(5).uniform(size=ORDER + 1))
     assert z.coef @ MAX_CURVATURE == pytest.approx(z.deriv(2)(0.5), rel=1e-14)
     assert z.coef @ MAX_THIRD == pytest.approx(z.deriv(3)(0.5), rel=1e-14)
+    assert z.coef @ MAX_FOURTH == pytest.approx(z.deriv(4)(0.5), rel=1e-14)
 
 
 def test_heights_of_crests_hold_thirty_digits_at_positions_of_fifteen():

@@ -230,7 +230,7 @@ SEARCHES = [
     (Profile(1.5, "5/2", 3, (0.0, 1.0, 2.0)), 0.2, 1.0, None),
     (Profile(1.02, 5, 2, (np.pi, np.pi)), 1e-3, 1.0, None),  # contacts in mirror images
     (Profile(1.25, 5, 4, np.arange(4.0)), 1.0, 1.1, None),  # among many
-    # a contact that merges soon with the neighbour beside which it is born, between two probes
+    # a contact that merges soon with the neighbour beside which it is born
     (Profile(1.9336359298628136, "6/5", 3, SOON_MERGED), 0.699, 0.7015, None),
     # one that is born and merges as an edge passes ripples: an interval of several of them would show none
     *((surface, 0.05 * surface.full_contact_load, 0.95 * surface.full_contact_load, "bm") for surface in RIPPLED),

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 
 from tests.methods.patches.westergaard_states import KINDS, OneWave
 from weier import Profile
@@ -153,6 +154,67 @@ def test_nothing_is_lower_than_the_bounds_and_these_are_nearly_attained(seed):
 def test_the_gap_next_to_an_edge_is_certainly_positive(wave, dual):
     """Also where the surface is convex at the edge: no cell is left."""
     assert minima_between(wave.state(dual), wave.series(dual), 0.0, 0.0).size == 0
+
+
+def points_of(x, u, S):
+    """Points of one interval with the residual u - S, of polynomials."""
+    points = np.zeros(x.size, inequalities.POINT)
+    points["x"], points["residual"], points["series"] = x, u(x) - S(x), S(x)
+    points["slope"], points["curvature"] = S.deriv()(x), S.deriv(2)(x)
+    return points
+
+
+@pytest.mark.parametrize("is_slope", [False, True])
+@pytest.mark.parametrize("node", [0, 1])
+def test_the_fourth_derivative_bounds_a_cell_without_curvature_at_its_ends(is_slope, node):
+    """A beam under its weight M sags by 5/384 M w^4 between its ends; the largest moment everywhere has M w^4/64."""
+    w, M, series = 0.25, 64 / 0.25**4, make_series(np.ones(1), [1], np.zeros(1), 1.0)
+    S = Polynomial([0, w**3, 0, -2 * w, 1]) * (M / 24)
+    points, fourth = points_of(np.array([0.0, w]), Polynomial([0.5]), S), np.eye(4)[node] * M
+    bound = inequalities._lower_bound(points, 0, M, is_slope)
+    assert bound == pytest.approx(-0.5)
+    assert bound <= 0.5 - S(0.5 * w)
+    line = series.period, series.crest_position, series.local
+    assert series.step == w  # the cell from node 0 to node 1
+    assert inequalities._divide(points, *line, fourth, is_slope, 0.0, 0.0)[2]["value"] == pytest.approx([-0.5])
+
+
+def test_tangents_of_the_field_bound_it():
+    """u'' is linear, its tangents are known by narrow cells, and S is its chord."""
+    x, u = np.array([-0.01, 0.0, 1.0, 1.01]), Polynomial([0.1, 1.0]) ** 3 / 6
+    S = Polynomial([u(0.0), u(1.0) - u(0.0)])
+    lowest = np.min((u - S)(np.linspace(0, 1, 1001)))
+    assert 2 * lowest < inequalities._lower_bound(points_of(x, u, S), 1, 0.0, False) <= lowest
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_convex_gap_is_lowest_at_an_end_if_it_does_not_fall_there(mirrored):
+    """u = (3/2 - x)^4, whose second derivative decreases, or its image; S has one curvature, or a bump of it."""
+    x, u = np.linspace(0, 1, 11), Polynomial([1.5, -1.0]) ** 4
+
+    def bound_and_lowest(cell, fall, curvature, fourth=0.0):
+        start, bump = x[cell], fourth / 24 * Polynomial([0, 0, 0, 0.2, -1])
+        S = Polynomial([u(start) - 1, u.deriv()(start) + fall, curvature / 2]) + bump
+        field, S = (
+            u(Polynomial([1, -1])) if mirrored else u,
+            S(Polynomial([1 - start, -1] if mirrored else [-start, 1])),
+        )
+        points, cell = points_of(x, field, S), 9 - cell if mirrored else cell
+        lowest = np.min((field - S)(np.linspace(x[cell], x[cell + 1], 1001)))
+        return inequalities._lower_bound(points, cell, fourth, False), lowest
+
+    bound, lowest = bound_and_lowest(4, -0.4, 9.5)
+    assert bound == pytest.approx(lowest) == pytest.approx(1)
+    for case in (
+        (4, 0.1, 9.5),
+        (0, 0.0, 20.0, 12e3),
+    ):  # the gap falls at the end; its curvature is known at both ends
+        bound, lowest = bound_and_lowest(*case)
+        assert bound <= lowest < 1
+    field = u(Polynomial([1, -1])) if mirrored else u
+    points, curvature, side = points_of(x, field, Polynomial([0.0])), field.deriv(2)(x), -1 if mirrored else 1
+    assert inequalities._least_curvature(points, 5, -side) == 0
+    assert curvature[5 + 2 * side] < inequalities._least_curvature(points, 5, side) < curvature[5]
 
 
 @one_thread
