@@ -22,7 +22,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.api.progress import Progress, shown_progress
+from weier.api.progress import Progress, counted, shown_progress
 from weier.api.rows import BOUNDS, curve_row, surface_row
 from weier.api.task import CurveTask, Outcome
 from weier.data import dataset
@@ -96,7 +96,7 @@ def solve_batch(
     outcomes = dict[object, Outcome]()
     expected = sum(curve.expected for curve in to_solve.values()) / min(workers, len(to_solve))
     total = loads.size * len(to_solve)
-    progress = shown_progress("weier.solve", total, f"{total} load{'s' * (total > 1)}", expected)
+    progress = shown_progress("weier.solve", total, counted(total, "load"), expected)
     with keeping(solved_so_far):
         new = solve_curves([*to_solve.values()], workers, progress)
         for position, (number, curve) in enumerate(curves):

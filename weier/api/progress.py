@@ -51,3 +51,8 @@ def shown_progress(name: str, total: float, whole: str, expected: float = 0.0) -
     if expected > LONG:
         say(f"about {expected:.0f} s for {whole}; Ctrl-C ends it")
     return Progress(total, whole, LONG, say)
+
+
+def counted(number: int, item: str) -> str:
+    """Return a number of items in words."""
+    return f"{number} {item}{'s' * (number != 1)}"

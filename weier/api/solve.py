@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.api.progress import shown_progress
+from weier.api.progress import counted, shown_progress
 from weier.api.rows import derived
 from weier.api.task import CurveTask
 from weier.checks import checked_flag, checked_workers, shown
@@ -180,7 +180,7 @@ def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None) -> xr.Dat
         return data.assign_coords({LOADS: (LOADS, exact, attributes(LOADS, unit=PASCAL))})
 
     count = curve.loads.size
-    progress = shown_progress("weier.solve", count, f"{count} load{'s' * (count > 1)}", curve.expected)
+    progress = shown_progress("weier.solve", count, counted(count, "load"), curve.expected)
     with converting(lambda solved: labelled(*solved)), reporting_to(progress):
         solution, seconds = curve.solve()
     return labelled(curve.loads, solution, seconds=seconds)

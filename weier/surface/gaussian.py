@@ -90,12 +90,13 @@ def gaussian(
     amplitude = np.maximum(k, length / rolloff) ** (-0.5 - H)
     size = float(np.linalg.norm(amplitude))
     slope_of_height = 2 * np.pi / length * float(np.linalg.norm(k * amplitude)) / size
-    by_slope = rms_height is None
-    given = ("rms_slope", rms_slope) if by_slope else ("rms_height", rms_height)
-    unit = units.NONE if by_slope else units.METRE
-    size_of_line = checked_number(*given, "be positive and finite", lambda x: 0 < x < math.inf, unit)
-    height = size_of_line / slope_of_height if by_slope else size_of_line
-    slope = height * slope_of_height
+    if rms_height is None:
+        slope = checked_number("rms_slope", rms_slope, "be positive and finite", lambda slope: 0 < slope < math.inf)
+        height = slope / slope_of_height
+    else:
+        condition = "be positive and finite"
+        height = checked_number("rms_height", rms_height, condition, lambda z: 0 < z < math.inf, units.METRE)
+        slope = height * slope_of_height
     if not MIN_SLOPE <= slope <= MAX_SLOPE:
         raise ValueError(
             f"the root mean square slope must be from {MIN_SLOPE:g} to {MAX_SLOPE:g}, got {slope:.3g} for a height "

@@ -186,7 +186,7 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         lambda x: least <= x * DECIMAL_ROUNDING,
         units.METRE,
     )
-    fewest = max(MIN_RATIO, float(ratio)) * last
+    fewest = _least_ratio(ratio) * last
     first = checked_number(
         "longest",
         trace.lambda_0 / WAVES_IN_LENGTH if longest is None else longest,
@@ -196,6 +196,11 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         units.METRE,
     )
     return first, last
+
+
+def _least_ratio(ratio: Fraction) -> float:
+    """Return the least ratio of the wavelengths at the ends of a band."""
+    return max(MIN_RATIO, float(ratio))
 
 
 def _extended(trace: Trace, z: Array) -> Array:
@@ -258,7 +263,7 @@ def _straight_law(
     beyond a bend.
     """
     first, rolloff, doubt = law.longest, None, np.zeros(2)
-    while bend := likeliest_bend(whole.between(first, last), max(MIN_RATIO, float(law.ratio))):
+    while bend := likeliest_bend(whole.between(first, last), _least_ratio(law.ratio)):
         at, end = (whole.period / math.exp(x) for x in (bend.place, bend.end))
         if given[bend.side] and bend.gain > CERTAIN_BEND_GAIN:
             what = "roll-off" if bend.is_rolloff else "bend"
